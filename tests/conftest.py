@@ -7,6 +7,16 @@ a terminal, also where the tests were started with it ignored, as by ``nohup`` a
 import gc
 import os
 import signal
+import sys
+from pathlib import Path
+
+# Where no bytecode may lie beside the sources, each worker of pytest and each process that a test starts would compile all of
+# them again, and rewrite the assertions of all tests: 20 s of a worker.
+if sys.dont_write_bytecode and sys.pycache_prefix is None:
+    sys.pycache_prefix = str(Path(__file__).parents[1] / ".pytest_cache" / "bytecode")
+    sys.dont_write_bytecode = False
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 # Before NumPy is imported: each core has its worker of pytest, beside which threads of OpenBLAS only wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -259,12 +259,21 @@ def test_members_whose_steps_vary_run_in_turn_with_the_bits_of_runs_alone(contro
     assert back.n_force_evaluations[1] == alone.n_force_evaluations
 
 
-def test_members_with_numbers_of_their_own_choose_their_steps_alone():
+@pytest.mark.parametrize(
+    "control",
+    [
+        {"step_control": kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)},
+        {"step_control": "acceleration", "method": "stormer-verlet"},
+        {"rtol": 1e-6, "method": "dop853"},
+    ],
+)
+def test_members_with_numbers_of_their_own_choose_their_steps_in_turn(control, in_lanes, monkeypatch):
+    monkeypatch.setattr(running, "_TASK_SECONDS", 10.0)
     x, v = starts(3)
-    args, options = np.array([[1.0, 0.1], [2.0, 0.2], [0.5, 0.3]]), {"step": 0.05, "t_eval": [3.0]}
-    density = kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)
-    sol = kd.solve_ensemble(spring, SPAN, x, v, args=args, step_control=density, **options)
-    assert all(is_member(sol, i, spring, x[i], v[i], args=args[i], step_control=density, **options) for i in range(3))
+    args, options = np.array([[1.0, 0.1], [2.0, 0.2], [0.5, 0.3]]), {"step": 0.05, "t_eval": [3.0, 0.7], **control}
+    sol = kd.solve_ensemble(spring, SPAN, x, v, args=args, **options)
+    assert in_lanes == {"lanes": 0, "alone": 1}
+    assert all(is_member(sol, i, spring, x[i], v[i], args=args[i], **options) for i in range(3))
 
 
 def test_times_between_steps_are_kept():

@@ -8,7 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import pytest
+from numba.core.caching import _CacheLocator
 
 import kickdrift
 from kickdrift.world.tables import Tables
@@ -31,12 +33,25 @@ def link(source, target):
         shutil.copy2(source, target)
 
 
+def compiled_code(folder):
+    """Files of compiled code of the modules in a folder of the package, wherever Numba keeps them."""
+    if not numba.config.CACHE_DIR:
+        return []  # beside the modules, and copied with them
+    place = _CacheLocator.get_suitable_cache_subpath(str(folder / "__init__.py"))
+    return Path(numba.config.CACHE_DIR, place).glob("*.nbc")
+
+
 class House:
     """A copy of the package, with the compiled code that there is, in which only files named by a recipe change."""
 
     def __init__(self, folder, name):
         self.folder, self.recipe = folder, recipe(name)
         shutil.copytree(PACKAGE, folder / "kickdrift", copy_function=link)
+        for source in {path.parent for path in PACKAGE.rglob("__init__.py")}:
+            for file in compiled_code(source):
+                beside = folder / "kickdrift" / source.relative_to(PACKAGE) / "__pycache__" / file.name
+                beside.parent.mkdir(exist_ok=True)
+                link(file, beside)
 
     def add(self, path, text):
         """Write a new file in a folder that the recipe names."""
@@ -54,7 +69,7 @@ class House:
 
     def run(self, code):
         """What a process with this package says at the end, as JSON."""
-        environment = {**os.environ, "PYTHONPATH": str(self.folder)}
+        environment = {**os.environ, "PYTHONPATH": str(self.folder), "NUMBA_CACHE_DIR": ""}
         command = [sys.executable, "-W", "error", "-c", "import json, kickdrift as kd\n" + code]
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=300, check=False, env=environment, cwd=self.folder

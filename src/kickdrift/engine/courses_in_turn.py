@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled, load
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.dense import DenseOutput, States, states_of
-from kickdrift.engine.flows.layout import CLOCK, EVALUATIONS, LARGEST, SMALLEST, TROUBLE, at_end
+from kickdrift.engine.flows.layout import CLOCK, EVALUATIONS, LARGEST, SMALLEST, TROUBLE, at_end, own_params
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Course
 from kickdrift.engine.loop import ACCEPTED, ROWS, TRIALS, advance_adaptively, call
@@ -25,7 +25,7 @@ _ROWS, _MARKS = (types.Array(kind, 2, "C") for kind in (types.float64, types.int
 _PLANES = types.Array(types.float64, 3, "C")
 _SIGNATURE = types.none(
     *(_INTEGERS, _INTEGERS, _FLOATS, _FLOATS, _FLOATS, _INTEGERS, _INTEGERS, types.float64, types.int64),
-    *(types.int64, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _ROWS, _ROWS),
+    *(types.int64, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _ROWS, _ROWS, _ROWS, _ROWS),
     *(_FLOATS, _MARKS, _ROWS, _ROWS, _PLANES, _PLANES, _ROWS),
 )
 _FINITE, _CLOCK, _COUNTED, _SMALLEST, _LARGEST, _FACTS = range(6)
@@ -45,10 +45,13 @@ def _run(
     state: Any,
     x: Floats,
     v: Floats,
+    params: Floats,
     work: Floats,
     blank: Floats,
     starts: Floats,
     velocities: Floats,
+    numbers: Floats,
+    of_control: Floats,
     wanted: Floats,
     marks: Any,
     ts: Any,
@@ -59,12 +62,15 @@ def _run(
 ) -> None:
     """Run each member from its start on blank work, as `kickdrift.engine.run` does one, for so many steps at most.
 
-    The row after the last one that is filled gets the state that is reached.
+    Each has params of its own, and so has the control of its steps. The row after the last one that is filled gets the state
+    that is reached.
     """
     for m in range(starts.shape[0]):
         assign(x, starts[m])
         assign(v, velocities[m])
+        assign(params, numbers[m])
         assign(work, blank)
+        assign(own_params(work), of_control[m])
         for k in range(primers.size):
             call(flows[primers[k]], (t0, 0.0, state))
         advance_adaptively(
@@ -96,20 +102,30 @@ class Courses:
 
 
 def run_courses(
-    processing: Processing, between: Callable[[], Processing], grid: Course, x: Floats, v: Floats, most: int
+    processing: Processing,
+    between: Callable[[], Processing],
+    grid: Course,
+    x: Floats,
+    v: Floats,
+    params: Floats,
+    of_control: Floats,
+    most: int,
 ) -> Courses:
-    """Run members from their starts, (M, *shape), to the end of a course with times that are wanted."""
+    """Run members from their starts, (M, *shape), to the end of a course with times that are wanted.
+
+    Each has its `params`, (M, p), the same for all where states are processed, and those of the control of its steps.
+    """
     kernel, count, rows = processing.kernel, x.shape[0], grid.marks.size + 2  # the first one and the last one, too
     starts, velocities = (np.ascontiguousarray(own.reshape(count, -1)) for own in (x, v))
     marks, facts = np.zeros((count, 4), dtype=np.int64), np.zeros((count, _FACTS))
     ts, sizes = np.empty((count, rows)), np.empty((count, rows))
     xs, vs = np.empty((count, rows, starts.shape[1])), np.empty((count, rows, velocities.shape[1]))
     load(_run, _SIGNATURE)
-    flows, primers, (block, own_x, own_v, _, work) = kernel.compiled
+    flows, primers, (block, own_x, own_v, own, work) = kernel.compiled
     program = kernel.program
     word = program.letters, program.weights, program.ticks, program.ticks_of_v, program.sees_v_clock
-    state = block, own_x, own_v, work, work.copy()
-    room = starts, velocities, grid.marks, marks, ts, sizes, xs, vs, facts
+    state = block, own_x, own_v, own, work, work.copy()
+    room = starts, velocities, np.ascontiguousarray(params), of_control, grid.marks, marks, ts, sizes, xs, vs, facts
     arguments: tuple[Any, ...] = flows, *word, primers, grid.t0, most, *state, *room
     _run(*arguments)
     good = facts[:, _FINITE] == 0.0
@@ -124,23 +140,24 @@ def run_courses(
             filled += 1
         kept = ts[m, :filled], xs[m, :filled], vs[m, :filled], sizes[m, :filled]
         outputs.append(DenseOutput.of_rows(grid, States(x[m], v[m]), kept, grid.t1, between))
-    states = _at_wanted(grid, outputs, members, evaluations)
+    states = _at_wanted(grid, outputs, members, evaluations, params[members])
     steps = marks[:, ACCEPTED]
     return Courses(*states, good, steps, marks[:, TRIALS] - steps, evaluations, facts[:, _SMALLEST : _LARGEST + 1])
 
 
 def _at_wanted(
-    grid: Course, outputs: list[DenseOutput], members: NDArray[np.intp], evaluations: Integers
+    grid: Course, outputs: list[DenseOutput], members: NDArray[np.intp], evaluations: Integers, params: Floats
 ) -> tuple[Floats, Floats]:
     """Return the states of members that are at the end at the times wanted, as `kickdrift.engine.report` does of one."""
     assert grid.wanted is not None
     end = np.array([grid.t1])
     short = [k for k, output in enumerate(outputs) if output.t[-1] != grid.t1]
     if short:  # whose last step leads beyond the end: a part of it to there
-        for k, (x, v, own) in zip(short, states_of([outputs[k] for k in short], [end] * len(short)), strict=True):
+        last = states_of([outputs[k] for k in short], [end] * len(short), params[short])
+        for k, (x, v, own) in zip(short, last, strict=True):
             outputs[k] = outputs[k].followed_by(grid.t1, x[0], v[0])
             evaluations[members[k]] += own
     low, high = sorted((grid.t0, grid.t1))
-    found = states_of(outputs, [np.clip(grid.wanted, low, high)] * len(outputs))
+    found = states_of(outputs, [np.clip(grid.wanted, low, high)] * len(outputs), params)
     evaluations[members] += [own for *_, own in found]
     return np.array([x for x, *_ in found]), np.array([v for _, v, _ in found])

@@ -11,6 +11,7 @@ from kickdrift.engine import in_turn
 from kickdrift.engine.courses_in_turn import run_courses
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing, compile_method
+from kickdrift.engine.step_control import LocalError
 from kickdrift.engine.watched_in_turn import WatchedMembers
 from kickdrift.scale.prepared import Cohort, Prepared
 from kickdrift.scale.results import Results
@@ -29,7 +30,9 @@ def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
     if isinstance(grid, Course):
         if prepared.events:
             return None
-        return prepared.numbers() if prepared.one_system() and not _driven(prepared, grid).is_processed else None
+        between = None if prepared.controller is None else prepared.controller.between
+        alike = prepared.one_system() or between is None
+        return prepared.numbers() if alike and not _driven(prepared, grid).is_processed else None
     numbers = prepared.numbers()
     if numbers is not None and (prepared.events or not prepared.one_system()):
         return None if _processing(prepared, grid).is_processed else numbers
@@ -44,7 +47,8 @@ def run_in_turn(prepared: Prepared, cohort: Cohort, numbers: Numbers, most: int,
     v = v.reshape(indices.size, *results.v.shape[2:])
     if isinstance(grid, Course):
         between = cache(partial(_driven, prepared, grid, True))
-        courses = run_courses(_driven(prepared, grid), between, grid, x, v, most)
+        of_control = _numbers_of_control(prepared, params, indices)
+        courses = run_courses(_driven(prepared, grid), between, grid, x, v, params, of_control, most)
         good = courses.good
         results.x[indices[good]], results.v[indices[good]] = courses.x, courses.v
         results.note(indices[good], grid, courses.n_steps[good], results.x.shape[1], courses.evaluations[good])
@@ -90,14 +94,27 @@ def _watched(
 
 def numbers_of_events(prepared: Prepared, indices: NDArray[np.intp]) -> list[Floats]:
     """Return what each event gets as params, of some members: numbers of users, and of the functions themselves."""
-    args, found = prepared.members.args, []
-    for event in prepared.events:
-        params = event.quantity.params
-        numbers = np.tile(prepared.system.params if params is None else params, (indices.size, 1))
-        if args is not None:
-            numbers[:, : args.shape[1]] = args[indices] if len(args) > 1 else args
-        found.append(numbers)
-    return found
+    params = [event.quantity.params for event in prepared.events]
+    return [_with_args(prepared, prepared.system.params if own is None else own, indices) for own in params]
+
+
+def _numbers_of_control(prepared: Prepared, params: Floats, indices: NDArray[np.intp]) -> Floats:
+    """Return what the control of steps has as params, of each member: its tolerances, or what a density gets."""
+    controller = prepared.controller
+    assert controller is not None
+    if isinstance(prepared.settings.steering.control, LocalError):
+        return np.tile(controller.params, (indices.size, 1))
+    if np.array_equal(controller.params, prepared.system.params):
+        return np.ascontiguousarray(params)
+    return _with_args(prepared, controller.params, indices)
+
+
+def _with_args(prepared: Prepared, params: Floats, indices: NDArray[np.intp]) -> Floats:
+    """Return params that begin with the numbers of users, with those of each member."""
+    args, numbers = prepared.members.args, np.tile(params, (indices.size, 1))
+    if args is not None:
+        numbers[:, : args.shape[1]] = args[indices] if len(args) > 1 else args
+    return numbers
 
 
 def _processing(prepared: Prepared, grid: Grid, between: bool = False) -> Processing:

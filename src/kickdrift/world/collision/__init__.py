@@ -1,11 +1,10 @@
-"""Collision: which shapes are near each other, and where they touch.
+"""Collision detection: the broad phase finds pairs of shapes, the narrow phase their contact points.
 
-A function of a pair, ``collide(a, b, pose, margin, manifold)``, is given the numbers of two shapes, the pose of the
-second in the frame of the first (7) and the distance up to which points count, which is not negative. It writes the
-unit normal from the first to the second, in the first's frame, and for up to four points where they are on the first
-in its frame, on the second in its own, and an id that stays for as long as the same features touch
-(`kickdrift.world.contacts.layout`). It returns how many points there are. Separations are normal . (point on b -
-point on a), negative where the shapes overlap.
+A contact function of a pair of kinds, ``collide(a, b, pose, margin, manifold)``, gets the numbers of two shapes, the pose of
+the second in the frame of the first (7) and the largest separation of points, m, zero or positive. It writes the unit normal
+from the first shape to the second, in the first's frame, and for up to four points their positions on the first shape in its
+frame and on the second in its own, and an id that persists while the same features touch (`kickdrift.world.contacts.layout`).
+It returns the number of points. Separations are normal . (point on b - point on a), negative if the shapes overlap.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Where two boxes touch: the fifteen separating axes, then face against face or edge against edge.
+"""Contact of two boxes: separating axis test with fifteen axes, then face against face or edge against edge.
 
 The axes are the face normals of both boxes and the products of their edges (Gottschalk, Lin and Manocha 1996, section
 5). Vertices, faces and edges are numbered as in `kickdrift.world.collision.box_polyhedron`.
@@ -36,7 +36,7 @@ Separations = tuple[float, int, float, int, float, int]
 
 @compiled
 def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where two boxes touch; see `kickdrift.world.collision`."""
+    """Find the contact points of two boxes; see `kickdrift.world.collision`."""
     frame = floats_on_stack(12)
     set_frame(frame, pose)
     gap_a, face_a, gap_b, face_b, gap_edges, pair = _separations(a, b, frame, margin)
@@ -70,8 +70,8 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
 def _separations(a: Any, b: Any, frame: Any, margin: float) -> Separations:
     """Find the largest separation along the normals of each box and along the products of edges.
 
-    With them, the faces that look at the other box and the pair of axes of the edges, three times the first plus the
-    second. Stops at the first separation that is larger than the margin.
+    Each is followed by its feature: the face of the box towards the other one, or, for edges, three times the axis of a plus
+    that of b. Stops at the first separation that is larger than the margin.
     """
     gap_a, face_a, gap_b, face_b, gap_edges, pair = -np.inf, 0, -np.inf, 0, -np.inf, -1
     for i in range(3):
@@ -119,7 +119,7 @@ def _clipped(
     slack: float,
     candidates: Any,
 ) -> tuple[int, float]:
-    """Clip the face of one box that looks most against a face of another; see `put_candidates`."""
+    """Clip the incident face of one box by a face of the other; return as `put_candidates`."""
     normal = normal_of(reference_frame, face)
     other = facing(incident_frame, normal)
     polygon, spare = floats_on_stack(_POLYGON), floats_on_stack(_SPARE)
@@ -159,9 +159,9 @@ def _edge_contact(
     margin: float,
     manifold: Any,
 ) -> int:
-    """Write the point where the edges of a pair of axes touch, if there is one; or, of boxes apart, the closest two.
+    """Write the contact point of the edges along a pair of axes, or else, if the boxes are apart, of their closest edges.
 
-    The axis is the best of the faces' normals, from a to b.
+    `axis` is the face normal of largest separation, from a to b. Returns the number of points.
     """
     edges_a, edges_b = floats_on_stack(_EDGES), floats_on_stack(_EDGES)
     count_a, count_b = _put_all_edges(a, rest, edges_a), _put_all_edges(b, frame, edges_b)
@@ -182,7 +182,7 @@ def _edge_contact(
 
 @compiled(inline=True)
 def _farthest(frame: Any, direction: Vector) -> int:
-    """Return the vertex of a box that lies farthest in a direction."""
+    """Return the support vertex of a box in a direction."""
     number = 0
     for k in range(3):
         if dot(direction, axis_of(frame, k)) > 0.0:

@@ -1,4 +1,4 @@
-"""Vertices, edges and faces of boxes, numbered as those of the polyhedra that they also are."""
+"""Vertices, edges and faces of boxes, numbered as in the polyhedron of a box."""
 
 from typing import Any
 
@@ -19,8 +19,7 @@ from kickdrift.world.shapes.polyhedron import (
     vertex,
 )
 
-# Vertex m lies on the upper side of axis k where bit k of m is set; face 2 k is the lower side of axis k, 2 k + 1 the
-# upper.
+# Vertex m is on the upper side of axis k if bit k of m is set; face 2 k is the lower side of axis k, 2 k + 1 the upper.
 _CORNERS = np.array([[2.0 * (m >> k & 1) - 1.0 for k in range(3)] for m in range(8)])
 _LOOPS = ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6))
 
@@ -29,7 +28,7 @@ SIZE_OF_BOX = len(UNIT_BOX)
 
 _ENDS = [{int(row[0]), int(row[1])} for row in UNIT_BOX[int(UNIT_BOX[EDGES_AT]) :].reshape(12, 4)]
 
-# The edge along an axis that a vertex is an end of
+# The edge along an axis that ends at a vertex
 EDGE_ALONG = np.array(
     [[next(k for k in range(12) if _ENDS[k] == {m, m ^ 1 << axis}) for m in range(8)] for axis in range(3)]
 )
@@ -39,7 +38,7 @@ _PLANES = int(UNIT_BOX[PLANES_AT])
 
 @compiled
 def set_box(numbers: Any, half: Any) -> None:
-    """Write the numbers of a box of given half extents."""
+    """Write the polyhedron of a box with the given half extents."""
     for k in range(SIZE_OF_BOX):
         numbers[k] = UNIT_BOX[k]
     for m in range(8):
@@ -71,7 +70,7 @@ def corner_of(half: Any, frame: Any, number: int) -> Vector:
 
 @compiled
 def facing(frame: Any, normal: Vector) -> int:
-    """Return the face of a box that looks most against a direction."""
+    """Return the face of a box whose outward normal is closest to the opposite of a direction."""
     face, most = 0, -1.0
     for k in range(3):
         along = dot(normal, axis_of(frame, k))
@@ -82,7 +81,7 @@ def facing(frame: Any, normal: Vector) -> int:
 
 @compiled
 def put_face(half: Any, frame: Any, face: int, polygon: Any) -> int:
-    """Write the corners of a face of a box; return how many."""
+    """Write the corners of a face of a box as a polygon for `clip`; return their number."""
     begin, end = loop(UNIT_BOX, face)
     for k in range(end - begin):
         at = CORNER * k

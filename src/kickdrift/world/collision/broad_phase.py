@@ -1,4 +1,4 @@
-"""The broad phase: shapes whose fat bounds overlap make contacts, which change where a shape leaves its box."""
+"""The broad phase: shapes whose fat bounds overlap form contacts, updated when a shape leaves its fat bounds."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.bvh_update import update_trees
@@ -49,17 +49,17 @@ from kickdrift.world.tables import (
 
 @compiled
 def find_pairs(t: float, h: float, world: int) -> None:
-    """Update the contacts for a step of h: those whose shapes have parted go, new ones come without points.
+    """Update the contacts for a step of h: remove those whose fat bounds no longer overlap, append new ones without points.
 
-    New contacts are in the order of the shapes that were searched, which is that of their rows, and then of the others, so
-    that it does not depend on how the trees were built. Where a contact goes, the last one takes its row.
+    New contacts are ordered by the rows of the shapes that were sought, then of the others, so that their order does not depend
+    on how the trees were built. When a contact is removed, the last one takes its row.
     """
     search, sought, shapes = integers(world, SEARCH), integers(world, SOUGHT), integers(world, SHAPE)
     if not update_bounds(world, h) or (rows(world, SOUGHT) == 0 and search[0, REVIEW] == 0):
         return
     if not update_trees(world) or not _lay_out_scratch(world):
         return
-    if not _look_through(world):
+    if not _remove_contacts(world):
         return
     for k in range(rows(world, SOUGHT)):
         seek(world, sought[k, 0])
@@ -74,7 +74,7 @@ def find_pairs(t: float, h: float, world: int) -> None:
 
 @compiled
 def _lay_out_scratch(world: int) -> bool:
-    """Lay out SCRATCH; False where there is no room."""
+    """Lay out SCRATCH; False if there is no room."""
     search = integers(world, SEARCH)
     search[0, SLOTS] = slots_for(rows(world, CONTACT))
     search[0, SHAPES_AT] = search[0, SLOTS]
@@ -88,11 +88,10 @@ def _lay_out_scratch(world: int) -> bool:
 
 
 @compiled
-def _look_through(world: int) -> bool:
-    """Remove contacts that must not be any more, and enter those that the search may find again among the known ones.
+def _remove_contacts(world: int) -> bool:
+    """Remove contacts that no longer exist, and insert those that the search may find again into the hash table.
 
-    Where there is no room for the event that two shapes no longer touch, it returns False and goes on when it is run
-    again.
+    Without room for the event that two shapes stop touching it returns False, and continues when it is run again.
     """
     contact, manifold, shapes = integers(world, CONTACT), floats(world, MANIFOLD), integers(world, SHAPE)
     clear(world)
@@ -118,7 +117,7 @@ def _look_through(world: int) -> bool:
 
 @compiled(inline=True)
 def _stays(world: int, a: int, b: int, part: int) -> bool:
-    """Whether shapes of which one is searched again, or removed, still form a contact."""
+    """Whether two shapes, of which one is sought again or was removed, still form a contact."""
     shapes = integers(world, SHAPE)
     if shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
         return False
@@ -127,7 +126,7 @@ def _stays(world: int, a: int, b: int, part: int) -> bool:
 
 @compiled
 def _note_parting(world: int, row: int) -> bool:
-    """Note that the shapes of a contact touch no more, where they did; nothing is said of shapes that are gone."""
+    """Append the event that the shapes of a contact stop touching, unless one is new or removed; False if there is no room."""
     contact, events, shapes = integers(world, CONTACT), integers(world, EVENTS), integers(world, SHAPE)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
     if contact[row, CONTACT_STATE] & TOUCHING == 0 or shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
@@ -145,7 +144,7 @@ def _note_parting(world: int, row: int) -> bool:
 
 @compiled
 def _has_room(world: int) -> bool:
-    """Request room for what was found, if there is none."""
+    """Whether there is room for the pairs found; asks for it if not."""
     search = integers(world, SEARCH)
     count = rows(world, CONTACT) + search[0, FOUND]
     if room(world, SCRATCH) < search[0, PAIRS_AT] + PAIR * search[0, FOUND]:
@@ -161,7 +160,7 @@ def _has_room(world: int) -> bool:
 
 @compiled
 def _append(world: int) -> None:
-    """Make contacts of the pairs that were found."""
+    """Append contacts for the pairs that were found."""
     contact, manifold, shapes = integers(world, CONTACT), floats(world, MANIFOLD), integers(world, SHAPE)
     search, pairs = integers(world, SEARCH), flat(world, SCRATCH)
     row = rows(world, CONTACT)

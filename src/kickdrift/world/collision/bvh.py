@@ -1,8 +1,8 @@
-"""A tree of boxes, in the order in which it is walked: what overlaps a box is found among n in about log n steps.
+"""Bounding volume hierarchies with nodes in depth-first order: boxes that overlap a given one are found in about log n steps.
 
-A node is a row of `TREE`, or of another table like it. The nodes below one follow it directly, so that a walk needs no
-stack: where a box overlaps, it goes on to the next row, and where not, it skips what is below. Bounding volume hierarchies
-with skip pointers: Smits, Efficiency issues for ray tracing, J. Graphics Tools 3 (1998).
+A node is a row of `TREE`, or of another table like it. Its descendants follow it directly, so that a traversal needs no stack:
+if the box of a node overlaps, it continues with the next row, and otherwise skips the descendants. Skip pointers: Smits,
+Efficiency issues for ray tracing, J. Graphics Tools 3 (1998).
 """
 
 from typing import Any
@@ -16,31 +16,31 @@ from kickdrift.world.tables import TREE
 
 # Columns of TREE, STATIC_TREE and TRIANGLE_TREE
 column(TREE, 6, "m")  # corners of its box
-SKIP = column(TREE)  # the node that comes after all that is below it
-ITEM = column(TREE)  # what a leaf stands for; `TWIG` where only leaves are below, or `BRANCH`
+SKIP = column(TREE)  # the node that follows its last descendant
+ITEM = column(TREE)  # item of a leaf; `TWIG` for a node whose children are leaves, `BRANCH` for others
 
-# Numbers of a seed, of which a leaf grows
+# Numbers of a seed: an item from which the tree is built
 _SEED = Fields()
 _SEED.field(3, "m")  # centre of the box
 SEED_ITEM = _SEED.field()
 SEED = _SEED.close()
 
-NODES_PER_ITEM = 3  # at most: its leaf, a twig and a branch
+NODES_PER_ITEM = 3  # at most: a leaf, a twig and a branch
 
 TWIG = -1.0
 BRANCH = -2.0
 
 Box = tuple[float, float, float, float, float, float]
 
-# Leaves of a twig. Their boxes are compared without a branch that the processor could guess wrong: at 8 a query among
-# 10,000 boxes takes 380 ns, at 2 it takes 500 ns.
+# Leaves of a twig, whose boxes are tested without branches, which the processor could mispredict: with 8 a query among
+# 10,000 boxes takes 380 ns, with 2 it takes 500 ns.
 _BUNCH = 8
-_DEEP = 64  # beyond this depth items are halved by count: no tree gets deeper than 64 + log2 n
+_DEEP = 64  # depth beyond which items are split by count: no tree gets deeper than 64 + log2 n
 
 
 @compiled
 def build(seeds: Any, nodes: Any) -> int:
-    """Arrange items in a tree, halving the longest side of what encloses their centres; `fit` does the rest.
+    """Build the topology of a tree by splitting the bounds of centres in the middle of the longest side; `fit` sets the boxes.
 
     The rows of `seeds` are permuted. Returns the number of nodes.
     """
@@ -71,7 +71,7 @@ def build(seeds: Any, nodes: Any) -> int:
 
 @compiled
 def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
-    """Bring the items with the lower centres to the front, and return where the others begin."""
+    """Partition items by their centres along the longest side, and return where the upper half begins."""
     axis = 0
     least = middle = 0.0
     widest = -1.0
@@ -82,7 +82,7 @@ def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
             upper = max(upper, seeds[row, k])
         if upper - lower > widest:
             axis, widest, least, middle = k, upper - lower, lower, 0.5 * lower + 0.5 * upper
-    if middle <= least or depth >= _DEEP:  # all in one place, or neighbouring numbers
+    if middle <= least or depth >= _DEEP:  # all at one point, or at adjacent floating-point numbers
         return (first + end) // 2
     left, right = first, end - 1
     while True:
@@ -99,7 +99,7 @@ def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
 
 @compiled
 def fit(nodes: Any, boxes: Any) -> None:
-    """Draw the boxes of a tree around those of its items, rows that begin with six numbers."""
+    """Set the boxes of a tree, bottom up, from those of its items: rows that begin with six numbers."""
     for node in range(len(nodes) - 1, -1, -1):
         item = int(nodes[node, ITEM])
         if item >= 0:
@@ -123,9 +123,9 @@ def fit(nodes: Any, boxes: Any) -> None:
 
 @compiled
 def gather(nodes: Any, box: Box, found: Any) -> tuple[int, int]:
-    """Write the items whose boxes overlap one into `found`; return how many, and how many nodes were looked at.
+    """Write the items whose boxes overlap a box into `found`; return their number, and that of the nodes visited.
 
-    There must be room for one more item than there are in the tree.
+    `found` must have room for one more item than there are in the tree.
     """
     node = 0
     hits = 0
@@ -148,6 +148,7 @@ def gather(nodes: Any, box: Box, found: Any) -> tuple[int, int]:
 
 @compiled(inline=True)
 def _overlap(nodes: Any, node: int, box: Box) -> bool:
+    """Whether the box of a node overlaps a box, without branches."""
     apart = (nodes[node, 0] > box[3]) | (nodes[node, 1] > box[4]) | (nodes[node, 2] > box[5])
     return not (apart | (nodes[node, 3] < box[0]) | (nodes[node, 4] < box[1]) | (nodes[node, 5] < box[2]))
 

@@ -1,4 +1,4 @@
-"""The trees of a world: over shapes that may move, over those that may not, and over the triangles of every mesh."""
+"""Updating the trees of a world: over movable shapes, over immovable ones, and over the triangles of each mesh."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import shaped
@@ -44,10 +44,10 @@ _BOX = 6  # numbers
 
 @compiled
 def update_trees(world: int) -> bool:
-    """Update all trees; False on an error.
+    """Update all trees; False if a table has no room.
 
-    A tree whose boxes have been drawn again still finds everything, but more slowly: once there have been as many
-    changes as shapes it is built again. At 1000 shapes drawing takes 10 us, building 30 us.
+    A refitted tree is correct, but slower: after as many changes as there are shapes it is rebuilt. With 1000 shapes refitting
+    takes 10 us, rebuilding 30 us.
     """
     search = integers(world, SEARCH)
     if search[0, PARTS_CHANGED] != 0:
@@ -72,7 +72,7 @@ def update_trees(world: int) -> bool:
 def update_for_queries(world: int) -> bool:
     """Update the trees to the present shapes; False on an error.
 
-    New shapes stay new, and find their pairs in the next step as if no one had asked.
+    New shapes remain new, and find their pairs in the next step as without a query.
     """
     search = integers(world, SEARCH)
     if search[0, CHANGED] != UNSEEN:
@@ -139,6 +139,7 @@ def _build_part_trees(world: int) -> bool:
 
 @compiled(inline=True)
 def _has_room(world: int, tree: Table, nodes: int, scratch: int) -> bool:
+    """Whether a tree and SCRATCH have room for so many rows; asks for it if not."""
     if room(world, tree) < nodes:
         ask_for_room(world, tree, nodes)
         return False

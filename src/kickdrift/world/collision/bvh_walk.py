@@ -1,7 +1,7 @@
-"""Walks through a tree along a ray, to what is near first.
+"""Traversal of a tree along a ray, nearest boxes first.
 
-A walk lives in an array: how many nodes are on its stack, and of each the node and the distance at which the ray
-enters its box.
+The state of a traversal is an array: the size of its stack, and for each entry a node and the distance at which the ray enters
+its box.
 """
 
 import math
@@ -12,14 +12,14 @@ from kickdrift.core.vectors import Vector
 from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
 
 NOTHING = -1
-WALK = 512  # numbers: of 255 nodes, where a tree is at most 64 + log2 n deep and a twig has 8 leaves
+WALK = 512  # numbers of a traversal, for 255 nodes: a tree is at most 64 + log2 n deep, and a twig has 8 leaves
 
-_ROUNDING = 1.0 + 1e-15  # a box that is flat is not missed by the rounding of where the ray enters and leaves it
+_ROUNDING = 1.0 + 1e-15  # so that flat boxes are not missed by rounding of the distances of entry and exit
 
 
 @compiled(inline=True)
 def reciprocal(direction: Vector) -> Vector:
-    """Invert the components of a direction; zero stands for those that are too small for that."""
+    """Return the reciprocals of the components of a direction, with zero for components too small to invert."""
     x, y, z = direction
     return (
         1.0 / x if abs(x) > 1e-300 else 0.0,
@@ -30,7 +30,7 @@ def reciprocal(direction: Vector) -> Vector:
 
 @compiled
 def start(walk: Any, nodes: Any, origin: Vector, inverse: Vector) -> None:
-    """Begin a walk through a tree."""
+    """Begin a traversal of a tree."""
     walk[0] = 0.0
     for root in range(min(len(nodes), 1)):
         _push(walk, root, _enters(nodes, root, origin, inverse))
@@ -66,7 +66,7 @@ def advance(walk: Any, nodes: Any, origin: Vector, inverse: Vector, limit: float
 
 @compiled(inline=True)
 def _push(walk: Any, node: int, distance: float) -> None:
-    """Push a node on the stack, unless the ray misses its box."""
+    """Push a node onto the stack, unless the ray misses its box."""
     if distance < math.inf:
         top = int(walk[0]) + 1
         walk[0], walk[2 * top], walk[2 * top + 1] = top, node, distance
@@ -74,7 +74,7 @@ def _push(walk: Any, node: int, distance: float) -> None:
 
 @compiled
 def _enters(nodes: Any, node: int, origin: Vector, inverse: Vector) -> float:
-    """Return the distance at which a ray enters a box, zero inside of it and infinity if it misses it."""
+    """Return the distance at which a ray enters a box, zero inside it and infinity if it misses it."""
     enters, leaves = 0.0, math.inf
     for k in range(3):
         if inverse[k] == 0.0:

@@ -1,4 +1,4 @@
-"""Where a capsule and a box touch."""
+"""Contact of a capsule and a box."""
 
 import math
 from typing import Any
@@ -24,9 +24,9 @@ _UP: Vector = (0.0, 0.0, 1.0)
 
 @compiled
 def capsule_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a capsule and a box touch; see `kickdrift.world.collision`.
+    """Find the contact points of a capsule and a box; see `kickdrift.world.collision`.
 
-    A capsule whose axis passes through the box leaves it by the shortest way.
+    If the axis passes through the box, the normal is that of the smallest penetration depth.
     """
     q, radius, half, box = turn(pose), a[0], a[1], (b[0], b[1], b[2])
     centre = turned_back(q, times(-1.0, place(pose)))
@@ -40,20 +40,23 @@ def capsule_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     if distance > CROSSED * (half + box[0] + box[1] + box[2]):
         normal, y = times(1.0 / distance, out), minus(x, out)
     else:
-        normal, t, y = _way_out(centre, axis, half, box)
+        normal, t, y = _penetration(centre, axis, half, box)
     span, feet = _lying(centre, axis, half, radius, box, normal, t, y)
     contact = ends(centre, axis, radius, normal, t, y, span, feet)
     return put_capsule_first(contact, (centre, axis, half, radius), normal, q, margin, manifold)
 
 
 @compiled
-def _way_out(centre: Vector, axis: Vector, half: float, box: Vector) -> tuple[Vector, float, Vector]:
-    """Find the shortest way by which a segment leaves a box that it passes through.
+def _penetration(centre: Vector, axis: Vector, half: float, box: Vector) -> tuple[Vector, float, Vector]:
+    """Find the direction of smallest penetration of a segment that passes through a box.
 
-    Notes
-    -----
-    The difference of the two sets is a polyhedron. Its faces are at right angles to an axis of the box, or to an axis
-    and the segment: the nearest of these six pairs of faces is the way out.
+    Returns
+    -------
+    normal, t, y
+        Outward unit normal, the touching point centre + t axis of the segment, and that of the box.
+
+    Notes ----- The Minkowski difference is a polyhedron, whose faces are perpendicular to an axis of the box, or to an axis and
+    the segment: the nearest of these six pairs of faces gives the direction.
     """
     best, chosen = -math.inf, 0
     for i in range(3):
@@ -88,7 +91,7 @@ def _way_out(centre: Vector, axis: Vector, half: float, box: Vector) -> tuple[Ve
 def _lying(
     centre: Vector, axis: Vector, half: float, radius: float, box: Vector, normal: Vector, t: float, y: Vector
 ) -> tuple[Range, tuple[Vector, Vector]]:
-    """Range of a capsule that lies on a face of the box or along an edge, and the points of the box at its ends."""
+    """Return the range of a capsule's axis that lies on a face or along an edge of a box, and the box's points at its ends."""
     face = _longest(normal)
     if abs(normal[face]) > FLAT and abs(dot(normal, axis)) <= STEEP:
         low, high = _over_face(centre, axis, half, box, face)
@@ -108,7 +111,7 @@ def _lying(
 
 @compiled(inline=True)
 def _over_face(centre: Vector, axis: Vector, half: float, box: Vector, face: int) -> Range:
-    """Range of a segment that lies over or under a face, by the axis that it is across; low > high if there is none."""
+    """Return the range of a segment above or below the faces perpendicular to axis `face`; low > high if it is empty."""
     low, high = -half, half
     for i in range(3):
         if i != face:
@@ -122,7 +125,7 @@ def _over_face(centre: Vector, axis: Vector, half: float, box: Vector, face: int
 
 @compiled(inline=True)
 def _on_face(p: Vector, box: Vector, out: Vector) -> Vector:
-    """Foot of a point on the face of a box that a unit vector along an axis points to."""
+    """Return the point nearest to p on the face of a box with the outward normal `out`, along an axis."""
     return (
         out[0] * box[0] if out[0] != 0.0 else clamped(p[0], -box[0], box[0]),
         out[1] * box[1] if out[1] != 0.0 else clamped(p[1], -box[1], box[1]),
@@ -132,26 +135,26 @@ def _on_face(p: Vector, box: Vector, out: Vector) -> Vector:
 
 @compiled(inline=True)
 def _longest(a: Vector) -> int:
-    """Axis along which a vector is longest."""
+    """Return the axis of the largest component of a vector."""
     x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
     return 0 if x >= y and x >= z else 1 if y >= z else 2
 
 
 @compiled(inline=True)
 def _unit(i: int, size: float) -> Vector:
-    """Vector along an axis."""
+    """Return a vector along axis i."""
     return (size if i == 0 else 0.0, size if i == 1 else 0.0, size if i == 2 else 0.0)
 
 
 @compiled(inline=True)
 def _edge(p: Vector, i: int) -> Vector:
-    """Middle of the line through a point along an axis."""
+    """Return the middle of the edge through a point, along axis i."""
     return (0.0 if i == 0 else p[0], 0.0 if i == 1 else p[1], 0.0 if i == 2 else p[2])
 
 
 @compiled(inline=True)
 def _across(axis: Vector, i: int) -> tuple[Vector, float]:
-    """Return a unit vector at right angles to a direction and to an axis, and the sine of the angle between them."""
+    """Return a unit vector perpendicular to a direction and to axis i, and the sine of the angle between these."""
     x, y, z = axis
     n = (0.0, -z, y) if i == 0 else (z, 0.0, -x) if i == 1 else (-y, x, 0.0)
     sine = length(n)

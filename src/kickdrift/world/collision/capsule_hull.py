@@ -1,4 +1,4 @@
-"""Where a capsule and a convex polyhedron touch."""
+"""Contact of a capsule and a convex polyhedron."""
 
 import math
 from typing import Any
@@ -28,9 +28,9 @@ _UP: Vector = (0.0, 0.0, 1.0)
 
 @compiled
 def capsule_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a capsule and a polyhedron touch; see `kickdrift.world.collision`.
+    """Find the contact points of a capsule and a polyhedron; see `kickdrift.world.collision`.
 
-    A capsule whose axis passes through the polyhedron leaves it by the shortest way.
+    If the axis passes through the polyhedron, the normal is that of the smallest penetration depth.
     """
     q, radius, half = turn(pose), a[0], a[1]
     centre = turned_back(q, times(-1.0, place(pose)))
@@ -49,7 +49,7 @@ def capsule_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int
             return 0
         normal = times(1.0 / max(distance, 1e-300), out)
     if distance <= CROSSED * (half + length(centre)):
-        side, normal, t, y = _way_out(b, centre, axis, half, face, gap)
+        side, normal, t, y = _penetration(b, centre, axis, half, face, gap)
     low, high, feet = t, t, (y, y)
     face, cosine = _facing(b, normal)
     if cosine > FLAT and abs(dot(normal, axis)) <= STEEP:
@@ -68,7 +68,7 @@ def capsule_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int
 
 @compiled
 def _planes(numbers: Any, centre: Vector, axis: Vector, half: float) -> tuple[int, float, bool]:
-    """Face that a segment is farthest out of, how far, and whether the segment passes through the polyhedron."""
+    """Return the face of largest separation from a segment, that separation, and whether the segment meets the polyhedron."""
     best, chosen = -math.inf, 0
     low, high = -half, half
     for face in range(int(numbers[FACES])):
@@ -92,7 +92,7 @@ def _nearest(numbers: Any, centre: Vector, axis: Vector, half: float) -> tuple[i
     Returns
     -------
     side, t, y
-        Edge touched, or `NONE` inside of a face; the point centre + t axis; the point of the polyhedron.
+        Edge touched, or `NONE` for a face; the point centre + t axis; the point of the polyhedron.
     """
     best, cosine, chosen, nearest, touched = math.inf, 0.0, NONE, half, centre
     toward = (0.0, 0.0, 0.0)
@@ -107,7 +107,7 @@ def _nearest(numbers: Any, centre: Vector, axis: Vector, half: float) -> tuple[i
     for k in range(int(numbers[EDGES])):
         begin, end, _, _ = edge(numbers, k)
         start, to = vertex(numbers, begin), vertex(numbers, end)
-        apart = extent - max(dot(toward, start), dot(toward, to))  # of this edge and the segment, at least
+        apart = extent - max(dot(toward, start), dot(toward, to))  # lower bound of the distance of edge and segment
         if apart <= 0.0 or apart * apart <= best * (1.0 + 1e-9):
             middle, side = times(0.5, plus(start, to)), times(0.5, minus(to, start))
             t, s = segments(minus(middle, centre), times(half, axis), side)
@@ -124,25 +124,25 @@ def _nearest(numbers: Any, centre: Vector, axis: Vector, half: float) -> tuple[i
 
 
 @compiled
-def _way_out(
+def _penetration(
     numbers: Any, centre: Vector, axis: Vector, half: float, face: int, gap: float
 ) -> tuple[int, Vector, float, Vector]:
-    """Find the shortest way by which a segment leaves a polyhedron that it passes through.
+    """Find the direction of smallest penetration of a segment that passes through a polyhedron.
 
     Parameters
     ----------
     face, gap
-        Face that the segment is farthest out of, and how far, which is negative.
+        Face of largest separation from the segment, and that separation, which is negative.
 
     Returns
     -------
     side, normal, t, y
-        Edge or `NONE`, the way out, and the points that touch.
+        Edge, or `NONE` for a face; outward unit normal; touching points, centre + t axis and y.
 
     Notes
     -----
-    The faces of the difference of the two sets are those of the polyhedron and, for each edge between a face that looks
-    up the segment and one that looks down, one at right angles to both.
+    The faces of the Minkowski difference are those of the polyhedron and, for each edge between a face towards one end of the
+    segment and one towards the other, a face parallel to edge and segment.
     """
     best, chosen, normal = gap + 1e-12 * half, NONE, _UP  # faces win over edges
     for k in range(int(numbers[EDGES])):
@@ -172,7 +172,7 @@ def _way_out(
 
 @compiled
 def _facing(numbers: Any, normal: Vector) -> tuple[int, float]:
-    """Face whose normal is nearest to a direction, and the cosine of the angle between them."""
+    """Return the face whose normal is closest to a direction, and the cosine of the angle between them."""
     best, chosen = -math.inf, 0
     for face in range(int(numbers[FACES])):
         n, _ = plane(numbers, face)
@@ -183,7 +183,7 @@ def _facing(numbers: Any, normal: Vector) -> tuple[int, float]:
 
 @compiled
 def _over_face(numbers: Any, face: int, centre: Vector, axis: Vector, half: float) -> Range:
-    """Range of a segment straight over or under a face; low > high if there is none."""
+    """Return the range of a segment straight above or below a face; low > high if it is empty."""
     normal, _ = plane(numbers, face)
     first, last = loop(numbers, face)
     low, high = -half, half
@@ -204,14 +204,14 @@ def _over_face(numbers: Any, face: int, centre: Vector, axis: Vector, half: floa
 
 @compiled(inline=True)
 def _foot(numbers: Any, face: int, p: Vector) -> Vector:
-    """Foot of a point on the plane of a face."""
+    """Return the projection of a point onto the plane of a face."""
     normal, offset = plane(numbers, face)
     return along(p, offset - dot(normal, p), normal)
 
 
 @compiled(inline=True)
 def _side(numbers: Any, k: int) -> tuple[Vector, Vector, float]:
-    """Middle, direction and half length of an edge."""
+    """Return middle, direction and half length of an edge."""
     begin, end, _, _ = edge(numbers, k)
     start, to = vertex(numbers, begin), vertex(numbers, end)
     side = times(0.5, minus(to, start))

@@ -1,4 +1,4 @@
-"""Where capsules touch planes and capsules."""
+"""Contact of capsules with planes and with capsules."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 
 @compiled
 def plane_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a half-space and a capsule touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a half-space and a capsule; see `kickdrift.world.collision`."""
     centre, q, radius = place(pose), turn(pose), b[0]
     axis, up = turned(q, _UP), turned_back(q, _UP)
     put_normal(manifold, _UP)
@@ -29,7 +29,7 @@ def plane_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
 
 @compiled
 def capsule_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where two capsules touch; see `kickdrift.world.collision`."""
+    """Find the contact points of two capsules; see `kickdrift.world.collision`."""
     centre, q = place(pose), turn(pose)
     axis = turned(q, _UP)
     s, t = segments(centre, (0.0, 0.0, a[1]), times(b[1], axis))
@@ -57,5 +57,5 @@ def capsule_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
 
 @compiled(inline=True)
 def _foot(centre: Vector, axis: Vector, half: float, s: float) -> Vector:
-    """Point of b's axis that is nearest to a point of a's."""
+    """Return the point of b's axis nearest to the point (0, 0, s) of a's."""
     return along(centre, clamped(dot(minus((0.0, 0.0, s), centre), axis), -half, half), axis)

@@ -1,9 +1,9 @@
 """Clipping of one face by the sides of another (Sutherland and Hodgman 1974).
 
-A polygon is a row of corners of `CORNER` numbers: a point and a label of the side that leaves it. Sides of the
-incident face, the one that is clipped, keep their number k as label; what the k-th side of the reference face cuts is
-labelled -1 - k. A corner between two labels is thus a vertex of the one face, a vertex of the other, or a crossing of
-two edges: the same features, and so the same contact, whichever of the two faces clips the other.
+A polygon is a list of corners of `CORNER` numbers: a point, and the label of the side that begins there. Sides of the incident
+face, the one that is clipped, keep their number k as label; sides cut by the k-th side of the reference face get -1 - k. The
+labels before and after a corner thus identify it as a vertex of either face or as a crossing of two edges: the same features,
+and so the same contact, whichever of the two faces clips the other.
 """
 
 from typing import Any
@@ -21,20 +21,20 @@ CORNER = _CORNER.close()
 
 @compiled
 def clip(polygon: Any, count: int, spare: Any, normal: Vector, offset: float, slack: float, label: float) -> int:
-    """Keep what of a convex polygon has normal . x <= offset, and corners that are outside by no more than the slack.
+    """Clip a convex polygon to normal . x <= offset, keeping corners that are outside by no more than the slack.
 
     Parameters
     ----------
     polygon, spare : pointers to floats
-        The polygon, and room for the same with another two corners, and for a number per corner.
+        The polygon, and scratch room for a polygon with two more corners, and a number per corner.
     count : int
         Number of corners.
     normal, offset
         The plane.
     slack : float
-        While rounding moves a corner to and fro across a side, it stays the same feature.
+        Keeps a corner the same feature while rounding moves it back and forth across a side.
     label : float
-        What the side along the plane is called.
+        Label of the new side along the plane.
 
     Returns
     -------
@@ -75,5 +75,5 @@ def clip(polygon: Any, count: int, spare: Any, normal: Vector, offset: float, sl
 
 @compiled(inline=True)
 def between(first: int, second: int, count: int) -> int:
-    """Return the vertex between two neighbouring sides of a face, the k-th of which leaves vertex k."""
+    """Return the vertex between two adjacent sides of a face with `count` sides, the k-th of which begins at vertex k."""
     return first if first == second + 1 or (first == 0 and second == count - 1) else second

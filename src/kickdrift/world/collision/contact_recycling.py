@@ -1,4 +1,4 @@
-"""Where shapes touch: contacts whose shapes have moved are looked at again, the others keep their points."""
+"""Contact recycling: manifolds are found again if their shapes have moved relative to each other, and reused otherwise."""
 
 import math
 from typing import Any
@@ -40,20 +40,20 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_STANDING = 1e-4  # of its reach, by which a round shape that stands on three points or more may move
+_STANDING = 1e-4  # of its size: motion up to which a round shape standing on three or more points keeps its manifold
 
 
 @compiled
 def find_points(t: float, h: float, world: int) -> None:
-    """Find the points of all contacts whose shapes have moved against each other."""
+    """Find the points of all contacts whose shapes have moved relative to each other."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     place, settings = floats(world, PLACE), floats(world, SETTINGS)
     awake, tried = integers(world, BODY), integers(world, SEARCH)[0, TRIES] > 0
     for row in range(rows(world, CONTACT)):
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-        if tried and contact[row, POINTS] != 0:  # what was found once stays found
+        if tried and contact[row, POINTS] != 0:  # a step that is repeated keeps the points that it has found
             continue
-        if contact[row, CONTACT_STATE] & FAST:  # found, if at all, for another time than the start of a step
+        if contact[row, CONTACT_STATE] & FAST:  # its points, if any, are not those at the start of a step
             contact[row, CONTACT_STATE] &= ~FAST
             manifold[row, RECYCLED] = 0.0
         if awake[contact[row, BODY_A], AWAKE] == 0 and awake[contact[row, BODY_B], AWAKE] == 0:
@@ -82,9 +82,9 @@ def find_points(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _far(world: int, a: int, b: int) -> float:
-    """How far shapes may move in a step if their points are to be those of its start.
+    """Return the motion in a step, m, up to which the contact points at its start are accurate enough.
 
-    Where round shapes bounce off each other, the normal would be wrong by as much as they slide in parts of their size.
+    If round shapes bounce off each other, the error of the normal is the distance that they slide, relative to their size.
     """
     settings, place = floats(world, SETTINGS), floats(world, PLACE)
     reach = smallest(place[a, RADIUS], place[b, RADIUS])
@@ -98,7 +98,7 @@ def _far(world: int, a: int, b: int) -> float:
 
 @compiled(inline=True)
 def _way(world: int, row: int) -> float:
-    """Bound by how much shapes come nearer in the step, with what forces add to that beyond the margin."""
+    """Bound the distance by which shapes approach in the step, m, including the effect of forces beyond the margin."""
     settings = floats(world, SETTINGS)
     step = settings[0, STEP]
     pushed = step * step * closing_acceleration(world, row)
@@ -113,7 +113,7 @@ def _way(world: int, row: int) -> float:
 
 @compiled(inline=True)
 def _closing_speed(world: int, row: int) -> float:
-    """Bound how fast the shapes of a contact can come nearer to each other."""
+    """Bound the speed at which the shapes of a contact can approach each other, m/s."""
     contact, motion, place = integers(world, CONTACT), floats(world, MOTION), floats(world, PLACE)
     a, b = contact[row, BODY_A], contact[row, BODY_B]
     relative = 0.0
@@ -133,7 +133,7 @@ def _closing_speed(world: int, row: int) -> float:
 
 @compiled(inline=True)
 def _moved(manifold: Any, row: int, at: Vector, turn: Quaternion, radius: float) -> float:
-    """Bound how far any point of the second shape has moved in the first's frame since its points were found."""
+    """Bound the motion of any point of the second shape in the first's frame since the manifold was found, m."""
     q = quaternion_at(manifold, row, FOUND_POSE + 3)
     way = minus(at, vector_at(manifold, row, FOUND_POSE))
     d = product(conjugate(q), turn)
@@ -143,12 +143,12 @@ def _moved(manifold: Any, row: int, at: Vector, turn: Quaternion, radius: float)
 
 @compiled(inline=True)
 def _tolerance(world: int, a: int, b: int, points: int) -> float:
-    """By how much touching shapes may move before their points are found again."""
+    """Return the motion of touching shapes up to which their manifold is reused, m."""
     place = floats(world, PLACE)
     most: float = floats(world, SETTINGS)[0, RECYCLE_DISTANCE]
     reach = smallest(place[a, RADIUS], place[b, RADIUS])
     if is_round(world, a) or is_round(world, b):
-        # A point that has turned with a ball for a way d is d off, and the weight pushes the ball on that way: with 1e-4 one
-        # that lies still takes up 1.5 mm/s within seconds, of the speed 1e-8 m/s.
+        # After a ball has rolled by d its contact point is off by d, and its weight pushes it on: with 1e-4 the speed of a ball
+        # at rest grows from 1e-8 m/s to 1.5 mm/s within seconds.
         return 1e-9 * reach if points < 3 else _STANDING * reach
     return min(most, 0.05 * reach)

@@ -1,4 +1,4 @@
-"""What compiled code asks of kinds of shapes: rows of `kickdrift.world.tables.SHAPE_KINDS`, made of the catalogue's records."""
+"""Properties and functions of the kinds of shapes for compiled code: rows of `kickdrift.world.tables.SHAPE_KINDS`."""
 
 from collections.abc import Iterable
 
@@ -22,20 +22,20 @@ _extent = caller(EXTENT)
 
 @compiled(inline=True)
 def sort_of(world: int, shape: int) -> int:
-    """Return what the kind of a shape is: `SOLID`, `SURFACE` or `HALF_SPACE`."""
+    """Return the sort of a shape: `SOLID`, `SURFACE` or `HALF_SPACE`."""
     sort: int = integers(world, SHAPE_KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], SORT]
     return sort
 
 
 @compiled(inline=True)
 def is_round(world: int, shape: int) -> bool:
-    """Whether a shape rolls."""
+    """Whether a shape is round, so that it can roll."""
     return bool(integers(world, SHAPE_KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], ROUND] != 0)
 
 
 @compiled(inline=True)
 def extent_of(world: int, shape: int, turn: Quaternion) -> Extent:
-    """Return the box that a shape fills with an orientation, relative to its origin."""
+    """Return the bounds of a shape with an orientation, relative to its origin."""
     shapes = integers(world, SHAPE)
     begin = shapes[shape, BEGIN]
     numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, SIZE]]
@@ -44,19 +44,19 @@ def extent_of(world: int, shape: int, turn: Quaternion) -> Extent:
 
 
 def describe_kinds(tables: Tables) -> None:
-    """Write what is known of all kinds, but for their functions."""
+    """Write the properties of all kinds, without the addresses of functions."""
     rows = tables.resize(SHAPE_KINDS, len(catalogue.KINDS))
     for number, kind in catalogue.KINDS.items():
         rows[number, [SORT, ROUND]] = kind.sort, kind.is_round
 
 
 def extents_of(kinds: Iterable[int]) -> list[Kind]:
-    """Return the records of those kinds that fill boxes."""
+    """Return the records of those kinds that have finite bounds."""
     return [kind for kind in map(catalogue.KINDS.__getitem__, kinds) if kind.extent is not None]
 
 
 def find_extents(tables: Tables, kinds: Iterable[int]) -> None:
-    """Compile the functions of kinds that are about to be asked how large they are, unless they are compiled."""
+    """Compile the functions for the bounds of kinds, unless they are compiled, and write their addresses."""
     rows = tables.array(SHAPE_KINDS)
     for kind in extents_of(kinds):
         if rows[kind.number, EXTENT_AT] == 0 and kind.extent is not None:

@@ -1,4 +1,4 @@
-"""Which shapes may touch at all: by their bodies, layers, and joints that exclude it."""
+"""Collision filters: by bodies, layers, joints, and pairs that users exclude."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HIGH_BODY = column(EXCLUDED)
 
 @compiled
 def may_touch(world: int, a: int, b: int) -> bool:
-    """Whether two shapes are on layers that meet, of two bodies one of which forces move, and not both sensors."""
+    """Whether two shapes may touch: one body is dynamic, not excluded, layers collide, and not both are sensors."""
     shapes, bodies = integers(world, SHAPE), integers(world, BODY)
     i, j = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
     if i == j or (bodies[i, BODY_KIND] != DYNAMIC and bodies[j, BODY_KIND] != DYNAMIC):
@@ -33,7 +33,7 @@ def may_touch(world: int, a: int, b: int) -> bool:
 
 @compiled
 def _excluded(world: int, i: int, j: int) -> bool:
-    """Whether a pair of bodies, the lower one first, is in the sorted table."""
+    """Whether a pair of bodies, the lower row first, is in the sorted table EXCLUDED."""
     pairs = integers(world, EXCLUDED)
     low, high = 0, rows(world, EXCLUDED)
     while low < high:
@@ -53,7 +53,7 @@ def exclude(tables: Tables, pairs: ArrayLike) -> None:
     tables : Tables
         Of the world.
     pairs : (N, 2) array_like of int
-        Rows of bodies, in any order and more than once if need be; they replace all that were given before.
+        Rows of bodies, in any order, possibly repeated; they replace all pairs given before.
     """
     given = np.sort(np.asarray(pairs, dtype=np.int64).reshape(-1, 2), axis=1)
     asked = np.unique(given, axis=0)
@@ -62,14 +62,14 @@ def exclude(tables: Tables, pairs: ArrayLike) -> None:
 
 
 def forget(tables: Tables, body: int) -> None:
-    """Take away the pairs of a body that is removed: another one gets its row."""
+    """Remove the excluded pairs of a body that is removed, since its row is reused."""
     asked = tables.array(ASKED_APART)
     if (asked == body).any():
         exclude(tables, asked[(asked != body).all(axis=1)].copy())
 
 
 def part_joined(tables: Tables) -> None:
-    """Exclude bodies from colliding that joints hold together or users name, and no others."""
+    """Update EXCLUDED to the pairs of bodies that joints connect or users exclude."""
     joint = tables.array(JOINT)
     held = joint[joint[:, layout.JOINT_KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
     now = {(min(pair), max(pair)) for pair in [*held.tolist(), *tables.array(ASKED_APART).tolist()]}

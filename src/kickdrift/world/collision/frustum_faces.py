@@ -1,7 +1,7 @@
-"""Where a frustum lies on a face, or a polyhedron on an end of it, or an edge against it: the points of the contact.
+"""Contact points of a frustum and a polyhedron: on a face, on an end of the frustum, or at an edge.
 
-All is given in the frame of the frustum, which is the second shape; the polyhedron is given twice, as its numbers and as
-what the frustum sees of it (`kickdrift.world.collision.polyhedra_faces`).
+Positions are in the frame of the frustum, the second shape. The polyhedron is given twice: by its numbers, and by its vertices
+and planes in that frame (`kickdrift.world.collision.polyhedra_faces`).
 """
 
 import math
@@ -24,15 +24,15 @@ from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, highest, side_normal
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_vertex, plane, vertex
 
-SIDES = 24  # of the polygon that stands for a rim
+SIDES = 24  # of the polygon that approximates a rim
 _ANGLES = np.arange(SIDES) * (2.0 * math.pi / SIDES)
 _COS, _SIN = np.cos(_ANGLES), np.sin(_ANGLES)
 COS_BETWEEN, SIN_BETWEEN = np.cos(_ANGLES + math.pi / SIDES), np.sin(_ANGLES + math.pi / SIDES)
-_INNER = math.cos(math.pi / SIDES)  # radius of the circle in it
+_INNER = math.cos(math.pi / SIDES)  # radius of its incircle
 
 _CORNERS = SIDES + MOST_VERTICES
 _POLYGON, _SPARE, _CANDIDATES = CORNER * _CORNERS, (CORNER + 1) * _CORNERS + CORNER, CANDIDATE * _CORNERS
-_BALANCED = 2e-4  # of the radius: a point of a leaning rim that is deeper than another by more than this comes first
+_BALANCED = 2e-4  # of the radius: differences in depth of the points of a leaning rim below this do not count
 _OF_LABELS, _OF_EDGES, _ENDS = 512, 1 << 20, 256
 
 
@@ -40,7 +40,7 @@ _OF_LABELS, _OF_EDGES, _ENDS = 512, 1 << 20, 256
 def lie_on_face(
     f: Frustum, body: Any, seen: Any, face: int, tolerance: float, margin: float, frame: Any, manifold: Any
 ) -> tuple[int, float]:
-    """Write the points in which a frustum lies on a face; return how many, and the least of their separations."""
+    """Write the contact points of a frustum on a face; return their number, and the smallest separation."""
     normal, offset = plane(seen, face)
     sine, x, y = lowest_direction(times(-1.0, normal), FLAT_ON)
     upper = normal[2] < 0.0
@@ -85,7 +85,7 @@ def lie_on_face(
 def stand_on_end(
     f: Frustum, upper: bool, body: Any, seen: Any, tolerance: float, margin: float, frame: Any, manifold: Any
 ) -> tuple[int, float]:
-    """Write the points in which a polyhedron stands on an end of a frustum; return as `lie_on_face`."""
+    """Write the contact points of a polyhedron on an end of a frustum; return as `lie_on_face`."""
     normal = (0.0, 0.0, 1.0 if upper else -1.0)
     radius = f[1] if upper else f[0]
     polygon, spare, candidates = floats_on_stack(_POLYGON), floats_on_stack(_SPARE), floats_on_stack(_CANDIDATES)
@@ -129,9 +129,10 @@ def touch_edge(
     frame: Any,
     manifold: Any,
 ) -> int:
-    """Write where an edge touches a frustum along a normal that points to the edge: at its deepest point, a share of its way.
+    """Write the contact points of an edge and a frustum, along a normal from the frustum to the edge; return their number.
 
-    Where it lies on an end or along a line of the side, at both ends of the range that does so.
+    The point is the deepest one, at the fraction t of the edge; if the edge lies on an end or along a line of the side, the
+    points are both ends of the range that does.
     """
     middle, way = times(0.5, plus(start, end)), times(0.5, minus(end, start))
     half = length(way)
@@ -178,7 +179,7 @@ def _side_of(body: Any, seen: Any, entry: int, begin: int, end: int, normal: Vec
 
 @compiled
 def _clip_by_face(polygon: Any, count: int, spare: Any, body: Any, seen: Any, face: int, slack: float) -> int:
-    """Keep what of a polygon is over a face."""
+    """Clip a polygon to the part above a face; return the number of corners."""
     normal, _ = plane(seen, face)
     begin, end = loop(body, face)
     for entry in range(begin, end):
@@ -189,7 +190,7 @@ def _clip_by_face(polygon: Any, count: int, spare: Any, body: Any, seen: Any, fa
 
 @compiled
 def _clip_line(polygon: Any, p: Vector, q: Vector, body: Any, seen: Any, face: int, slack: float) -> int:
-    """Write the ends of what of a line is over a face; one, if the line is a point."""
+    """Write the ends of the part of a segment above a face, or one if the segment is a point; return their number."""
     normal, _ = plane(seen, face)
     begin, end = loop(body, face)
     low, high, first, last = 0.0, 1.0, float(SIDES), float(SIDES + 1)

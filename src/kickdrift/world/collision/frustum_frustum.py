@@ -1,4 +1,4 @@
-"""Where two cylinders or cones touch: the first as a polyhedron, turned until one of its corners is where they touch."""
+"""Contact of two cylinders or cones: one is approximated by a polyhedron with a corner at the contact."""
 
 import math
 from typing import Any
@@ -20,8 +20,8 @@ from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
 from kickdrift.world.tables import MANIFOLD
 
-_ROUNDS = 7  # which leave 0.1 degrees: two millionths of a radius
-_SAME = 1e-6  # rad, by which the place where they touch may be off around the first
+_ROUNDS = 7  # bisections, which leave 0.1 degrees: two millionths of a radius
+_SAME = 1e-6  # rad: tolerance of the angle of the contact about the axis
 _LOWER, _UPPER = tuple(range(SIDES)), tuple(range(SIDES, 2 * SIDES))
 _STEPS = tuple((k, (k + 1) % SIDES) for k in range(SIDES))
 
@@ -31,7 +31,7 @@ def _unit_ring(z: float) -> Any:
     return np.column_stack((np.cos(angle), np.sin(angle), np.full(SIDES, z)))
 
 
-# The ends come first, which are flat; the other faces stand for the side.
+# The flat ends come first; the other faces approximate the side.
 _PRISM = polyhedron_numbers(
     np.vstack((_unit_ring(-1.0), _unit_ring(1.0))),
     [_LOWER[::-1], _UPPER, *((k, n, SIDES + n, SIDES + k) for k, n in _STEPS)],
@@ -42,15 +42,15 @@ _PYRAMID = polyhedron_numbers(
 
 _SIZE = len(_PRISM)
 _MANIFOLD = MANIFOLD.width
-_OTHER_WAY = 1 << 24  # of features that the second has as a polyhedron
+_OTHER_WAY = 1 << 24  # added to features if the second frustum is the polyhedron
 
 
 @compiled
 def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where two frusta touch; see `kickdrift.world.collision`.
+    """Find the contact points of two frusta; see `kickdrift.world.collision`.
 
-    The first is a polyhedron for the second. Where a rim of the second is in the first, only the normals of the first may
-    separate the two as far as they are apart: then the second is one for the first, too.
+    The first is approximated by a polyhedron. If they overlap at a rim of the second, the direction of smallest penetration may
+    be a normal of the first: then the second is approximated as well, and the better of both contacts is used.
     """
     f, g = frustum_of(a), frustum_of(b)
     frame, back = floats_on_stack(12), floats_on_stack(12)
@@ -86,7 +86,7 @@ def _normal(manifold: Any) -> Vector:
 
 @compiled(inline=True)
 def _at_rim(g: Frustum, manifold: Any, gap: float) -> bool:
-    """Whether two frusta overlap where the first point of a contact is as near to a rim of the second as it is deep."""
+    """Whether two frusta overlap with the first contact point about as close to a rim of the second as the overlap is deep."""
     if gap > 0.0:
         return False
     p = POINT + ON_B
@@ -98,14 +98,14 @@ def _at_rim(g: Frustum, manifold: Any, gap: float) -> bool:
 
 @compiled(inline=True)
 def _gap(f: Frustum, g: Frustum, back: Any, normal: Vector) -> float:
-    """Return how far two frusta are apart along a direction in the frame of the first, whose frame in the second's is given."""
+    """Return the separation of two frusta along a direction in the first's frame; `back` is this frame in the second's."""
     n = directed(back, normal)
     return dot(n, (-back[9], -back[10], -back[11])) - highest(f, normal) - highest(g, times(-1.0, n))
 
 
 @compiled
 def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: Any) -> int:
-    """Find where two frusta touch, the first of them as a polyhedron that has a frame in the second's."""
+    """Find the contact points of two frusta, the first approximated by a polyhedron; `frame` is its frame in the second's."""
     body = floats_on_stack(_SIZE)
     flat = 2 if f[1] > 0.0 else 1
     wide = margin + (1.0 - math.cos(math.pi / SIDES)) * max(f[0], f[1])
@@ -119,8 +119,8 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: 
         _set_frustum(body, f, x, y)
         if polyhedron_frustum(body, flat + SIDES, -1, g, frame, wide, manifold) == 0:
             return 0
-        # The normal at a point of a round surface points away from its axis in the direction of that point: that of the side
-        # or corner of the polygon that touches says on which side of it the two touch, which is found by halves.
+        # The normal at a point of a round surface is in the half-plane of the axis and that point. The contact normal of the
+        # polygon tells on which side of the present corner the true contact is, and its angle is found by bisection.
         sine, u, v = lowest_direction(_normal(manifold), FLAT_ON)
         off = math.atan2(x * v - y * u, x * u + y * v)
         if turn == 0 or sine < FLAT_ON:
@@ -137,7 +137,7 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: 
 
 @compiled
 def _set_frustum(body: Any, g: Frustum, x: float, y: float) -> None:
-    """Write a frustum as a polyhedron, with corners in a direction from its axis."""
+    """Write a frustum as a polyhedron, with corners in the direction (x, y) from its axis."""
     lower, upper, half = g
     template = _PRISM if upper > 0.0 else _PYRAMID
     for k in range(len(template)):
@@ -147,7 +147,7 @@ def _set_frustum(body: Any, g: Frustum, x: float, y: float) -> None:
         u, v, w = vertex(template, k)
         radius = upper if w > 0.0 else lower
         body[at], body[at + 1], body[at + 2] = radius * (x * u - y * v), radius * (y * u + x * v), half * w
-    # Of the normals of the sides, which lean with the lines that halve them
+    # Normals of the sides, which are inclined as the middle lines of the sides
     flat = math.cos(math.pi / SIDES) * (lower - upper)
     size = math.sqrt(4.0 * half * half + flat * flat)
     first = int(body[PLANES_AT])

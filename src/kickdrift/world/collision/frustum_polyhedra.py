@@ -1,8 +1,7 @@
-"""Where boxes and hulls touch cylinders and cones.
+"""Contact of boxes and hulls with cylinders and cones.
 
-The two separate most along the normal of a face of the polyhedron, along the axis of the frustum, or along the normal of
-the frustum where an edge or a corner of the polyhedron is deepest in it, which is found exactly: the distance from the
-surface is a convex function on an edge.
+The direction of largest separation is the normal of a face of the polyhedron, the axis of the frustum, or the normal of the
+frustum at the deepest point of an edge of the polyhedron, which is found exactly: the signed distance is convex along an edge.
 """
 
 from typing import Any
@@ -38,7 +37,7 @@ _ROUNDING = 1e-9
 
 @compiled
 def box_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a box and a frustum touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a box and a frustum; see `kickdrift.world.collision`."""
     box, frame = floats_on_stack(SIZE_OF_BOX), floats_on_stack(12)
     set_box(box, a)
     set_frame_back(frame, pose)
@@ -47,7 +46,7 @@ def box_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
 
 @compiled
 def hull_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a hull and a frustum touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a hull and a frustum; see `kickdrift.world.collision`."""
     hull, frame = pointer_to(a), floats_on_stack(12)
     set_frame_back(frame, pose)
     return polyhedron_frustum(hull, int(hull[FACES]), 0, frustum_of(b), frame, margin, manifold)
@@ -55,21 +54,21 @@ def hull_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int
 
 @compiled
 def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any, margin: float, manifold: Any) -> int:
-    """Find where a polyhedron and a frustum touch.
+    """Find the contact points of a polyhedron and a frustum.
 
     Parameters
     ----------
     body : pointer to floats
         Numbers of the polyhedron.
     faces : int
-        How many of its faces, the first ones, are faces: the others stand for a curved surface.
+        Number of its faces that count, the first ones: the others approximate a curved surface.
     near : int
-        0, or the number of corners of each end of what stands for a frustum: edges from the last to the second of them count.
-        -1 where the normal need not be the best one.
+        0 for an exact polyhedron. If it approximates a frustum, the number of corners of each end, of which only edges between
+        the last and the second corner are considered; or -1 if the normal need not be the best one.
     f : (3,) tuple
         The frustum.
     frame : pointer to floats
-        Of the polyhedron in the frustum's.
+        Frame of the polyhedron in the frustum's.
     margin, manifold
         See `kickdrift.world.collision`.
     """
@@ -95,9 +94,7 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
     below = (0.0, 0.0, -1.0 if upper else 1.0)
     corner = vertex(seen, support(seen, below))
     number, t, normal, gap_edge = _NONE, 0.0, below, -np.inf
-    if not (
-        _settled_on_end(f, upper, corner, gap_end) if gap_end > gap_face else _settled_on_face(f, body, seen, face)
-    ):
+    if not (_is_end_best(f, upper, corner, gap_end) if gap_end > gap_face else _is_face_best(f, body, seen, face)):
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
         if gap_edge > margin or (number == _NONE and near == 0 and not _is_inside(seen, _lowest_point(f, seen, face))):
             return 0
@@ -121,16 +118,21 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
     begin, last, _, _ = edge(body, number)
     p, q = vertex(seen, begin), vertex(seen, last)
     lower = vertex(seen, support(seen, times(-1.0, normal)))
-    if (
-        dot(normal, lower) < dot(normal, along(p, t, minus(q, p))) - tolerance
-    ):  # deep in each other: another corner is deepest
+    # In deep overlap another corner may be the deepest.
+    if dot(normal, lower) < dot(normal, along(p, t, minus(q, p))) - tolerance:
         p = q = lower
     return touch_edge(f, p, q, number, t, normal, margin, frame, manifold)
 
 
 @compiled
 def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -> tuple[int, float, Vector, float]:
-    """Find the edge along whose normal, at its deepest point, the two are farthest apart: which, where, normal and gap."""
+    """Find the edge whose normal, at its deepest point, gives the largest separation.
+
+    Returns
+    -------
+    number, t, normal, gap
+        The edge, or `_NONE`; the deepest point as a fraction of it; the normal of the frustum there; the separation, m.
+    """
     number, share, normal, best, nearest = _edge_among(f, body, seen, near, margin)
     if nearest <= 0.0 and near >= 0:
         number, share, normal, best, _ = _edge_among(f, body, seen, near, np.inf)
@@ -139,7 +141,7 @@ def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -
 
 @compiled
 def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tuple[int, float, Vector, float, float]:
-    """Find the same among the edges that are nearer than a limit; return how near the nearest is, too, 0.0 inside."""
+    """Find the same among edges nearer than a limit; return also the distance of the nearest edge, 0.0 inside."""
     number, share, normal, best, nearest, slope = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit, 1.0
     for k in range(int(body[EDGES])):
         begin, end, _, _ = edge(body, k)
@@ -147,7 +149,8 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
             continue
         p, q = vertex(seen, begin), vertex(seen, end)
         way = minus(q, p)
-        # The distance lies above each of its tangents, and only the nearest edge tells how far those are apart that are.
+        # A convex function is above its tangents, which bounds the distance. If the two are apart, only the nearest edge
+        # counts.
         middle, n = signed_distance(f, along(p, 0.5, way))
         if middle - 0.5 * abs(dot(n, way)) > min(limit, nearest + _ROUNDING * length(way)):
             continue
@@ -159,7 +162,7 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
             nearest = min(nearest, max(distance, 0.0))
         gap, size = lowest(seen, n) - highest(f, n), length(way)
         rise = abs(dot(n, way)) / size
-        # Edges that end in one corner tell the same: the one that lies along the surface comes first.
+        # Edges that meet at the deepest corner tie: the one most parallel to the surface wins.
         if gap > best + _ROUNDING * size or (gap > best - _ROUNDING * size and rise < slope):
             number, share, normal, best, slope = k, t, n, max(gap, best), rise
     return number, share, normal, best, nearest
@@ -167,7 +170,7 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
 
 @compiled(inline=True)
 def _lowest_point(f: Frustum, seen: Any, face: int) -> Vector:
-    """Return the point of a frustum that is lowest over a face."""
+    """Return the support point of a frustum against the normal of a face."""
     n, _ = plane(seen, face)
     sine, x, y = radial(-n[0], -n[1])
     if f[1] * sine - f[2] * n[2] >= f[0] * sine + f[2] * n[2]:
@@ -186,10 +189,10 @@ def _is_inside(seen: Any, p: Vector) -> bool:
 
 
 @compiled
-def _settled_on_face(f: Frustum, body: Any, seen: Any, face: int) -> bool:
-    """Whether no other direction separates the two more than the normal of a face, as the lowest point of the frustum tells.
+def _is_face_best(f: Frustum, body: Any, seen: Any, face: int) -> bool:
+    """Whether no direction separates the two more than the normal of a face.
 
-    Apart from the polyhedron, it is over the face; inside, it is nearer to this face than to others.
+    Sufficient: the support point of the frustum is above the face or, inside the polyhedron, closer to it than to other faces.
     """
     p = _lowest_point(f, seen, face)
     normal, offset = plane(seen, face)
@@ -211,8 +214,8 @@ def _settled_on_face(f: Frustum, body: Any, seen: Any, face: int) -> bool:
 
 
 @compiled
-def _settled_on_end(f: Frustum, upper: bool, corner: Vector, gap: float) -> bool:
-    """Return the same for an end of the frustum, from the corner of the polyhedron that is deepest there."""
+def _is_end_best(f: Frustum, upper: bool, corner: Vector, gap: float) -> bool:
+    """Return the same for an end of the frustum, from the deepest corner of the polyhedron."""
     if gap <= 0.0:
         _, normal = signed_distance(f, corner)
         return normal[2] == (1.0 if upper else -1.0)

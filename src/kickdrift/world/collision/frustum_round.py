@@ -1,4 +1,4 @@
-"""Where cylinders and cones touch planes, balls and capsules."""
+"""Contact of cylinders and cones with planes, balls and capsules."""
 
 import math
 from typing import Any
@@ -21,17 +21,17 @@ from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest
 
 _UP: Vector = (0.0, 0.0, 1.0)
 
-# Sine of the angle between a disc and what it stands on, below which the points of its rim stay where they are in the
-# body: which one is the lowest is rounding then.
+# Sine of the angle between a disc and the plane below it, under which the points of its rim are fixed in the body: the lowest
+# one is determined by rounding then.
 STANDING = 1e-4
-FLAT_ON = 5e-3  # the same on a face, where many points are chosen from: which ones are chosen must be steady
+FLAT_ON = 5e-3  # the same on a face, where the choice among many points must not change from step to step
 
 
 @compiled(inline=True)
 def lowest_direction(down: Vector, least: float) -> tuple[float, float, float]:
-    """Return the sine of the angle between a direction and the axis, and where the rim is lowest along it.
+    """Return the sine of the angle between a direction and the axis, and the direction (x, y) of the lowest point of a rim.
 
-    Where the sine is less than `least` that is always the same place.
+    If the sine is less than `least`, this is always (1, 0).
     """
     sine, x, y = radial(down[0], down[1])
     if sine < least:
@@ -41,11 +41,11 @@ def lowest_direction(down: Vector, least: float) -> tuple[float, float, float]:
 
 @compiled
 def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a half-space and a frustum touch; see `kickdrift.world.collision`.
+    """Find the contact points of a half-space and a frustum; see `kickdrift.world.collision`.
 
-    An end that nearly lies on the plane touches it at the lowest point of its rim and at three more, a quarter of a turn
-    apart; a side that nearly lies on it at both ends of its lowest line. What may move by its own size in the step, and turn
-    to stand on another part of its rims, keeps all of these.
+    An end that is nearly parallel to the plane has the lowest point of its rim and three more, a quarter of a turn apart; a
+    side that is nearly parallel, both ends of its lowest line. A frustum that may move by its own size in the step, and turn
+    onto another part of its rims, has all of these.
     """
     centre, q = place(pose), turn(pose)
     lower, upper, half = frustum_of(b)
@@ -75,7 +75,7 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
 
 @compiled
 def sphere_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a ball and a frustum touch; see `kickdrift.world.collision`."""
+    """Find the contact point of a ball and a frustum; see `kickdrift.world.collision`."""
     q = turn(pose)
     centre = turned_back(q, times(-1.0, place(pose)))  # of the ball in the frustum's frame
     distance, normal = signed_distance(frustum_of(b), centre)
@@ -89,9 +89,9 @@ def sphere_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> i
 
 @compiled
 def capsule_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a capsule and a frustum touch; see `kickdrift.world.collision`.
+    """Find the contact points of a capsule and a frustum; see `kickdrift.world.collision`.
 
-    A capsule whose axis passes through the frustum leaves it by the shortest way of the deepest point of its axis.
+    If the axis passes through the frustum, the normal is that of the smallest penetration depth of its deepest point.
     """
     q, radius, half, f = turn(pose), a[0], a[1], frustum_of(b)
     centre, axis = turned_back(q, times(-1.0, place(pose))), turned_back(q, _UP)
@@ -121,7 +121,7 @@ def capsule_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
 
 @compiled(inline=True)
 def line_of(frustum: Frustum, normal: Vector) -> tuple[Vector, Vector, float]:
-    """Return the line on the side that faces a direction: its middle, its direction and half its length."""
+    """Return the line on the side of a frustum that faces a direction: middle, unit direction and half length."""
     lower, upper, half = frustum
     _, x, y = radial(normal[0], normal[1])
     c, s = side_normal(frustum)
@@ -133,7 +133,7 @@ def line_of(frustum: Frustum, normal: Vector) -> tuple[Vector, Vector, float]:
 def over_end(
     frustum: Frustum, is_upper: bool, start: Vector, way: Vector, low: float, high: float
 ) -> tuple[float, float]:
-    """Range of a line, of the part from `low` to `high`, that lies over or under an end; low > high if none does."""
+    """Return the part of a line's range from `low` to `high` that is above or below an end; low > high if it is empty."""
     radius = frustum[1] if is_upper else frustum[0]
     square = way[0] * way[0] + way[1] * way[1]
     if square < 1e-300:

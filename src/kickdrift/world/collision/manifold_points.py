@@ -1,4 +1,4 @@
-"""How the functions of pairs read a pose and write the points that they find."""
+"""Reading poses and writing manifolds in contact functions."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ def put_normal(manifold: Any, normal: Vector) -> None:
 
 @compiled(inline=True)
 def put_point(manifold: Any, k: int, on_a: Vector, on_b: Vector, feature: int) -> None:
-    """Write the k-th point: on the first shape in its frame, on the second in its own, and what touches there."""
+    """Write the k-th point: on the first shape in its frame, on the second in its own, and the id of its features."""
     i = POINT + POINT_SIZE * k
     manifold[i + ON_A], manifold[i + ON_A + 1], manifold[i + ON_A + 2] = on_a
     manifold[i + ON_B], manifold[i + ON_B + 1], manifold[i + ON_B + 2] = on_b

@@ -1,4 +1,4 @@
-"""Candidates for the points of a manifold, and the up to four of them that are chosen.
+"""Manifold reduction: up to four points are chosen from the candidates of a contact.
 
 A candidate is a point of the incident face, a row of `CANDIDATE` numbers.
 """
@@ -17,16 +17,16 @@ from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, lo
 _CANDIDATE = Fields()
 _CANDIDATE.field(3, "m")  # the point, in the frame of the first shape
 SEPARATION = _CANDIDATE.field(1, "m")  # from the reference face
-FEATURES = _CANDIDATE.field()  # id of those that meet there
+FEATURES = _CANDIDATE.field()  # id of the features that meet there
 CANDIDATE = _CANDIDATE.close()
 
-_STEADY = 0.95  # a candidate must be better by this factor than one before it: the choice stays from step to step
+_STEADY = 0.95  # factor by which a candidate must be better than an earlier one, so that the choice does not flicker
 _THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
 
 
 @compiled(inline=True)
 def crossing(edge_a: int, edge_b: int) -> int:
-    """Return the id of two edges that touch."""
+    """Return the feature id of two edges that touch."""
     return 256 + 512 * edge_a + edge_b
 
 
@@ -34,9 +34,10 @@ def crossing(edge_a: int, edge_b: int) -> int:
 def corner_feature(
     reference: Any, face: int, incident: Any, other: int, before: float, after: float, second_is_reference: bool
 ) -> int:
-    """Return the id of what meets at a corner of a clipped face, between two labels.
+    """Return the feature id of a corner of a clipped face, between two labels.
 
-    A vertex of the second polyhedron is its number, one of the first that plus 128, two edges are their `crossing`.
+    The id of a vertex of the second polyhedron is its number, that of a vertex of the first its number plus 128, and that of
+    two edges their `crossing`.
     """
     first, last = loop(reference, face)
     begin, end = loop(incident, other)
@@ -53,7 +54,7 @@ def corner_feature(
 
 @compiled(inline=True)
 def put_candidate(candidates: Any, at: int, point: Vector, gap: float, feature: int) -> None:
-    """Write a candidate from a given number on."""
+    """Write a candidate at a given index."""
     candidates[at], candidates[at + 1], candidates[at + 2] = point
     candidates[at + SEPARATION], candidates[at + FEATURES] = gap, feature
 
@@ -77,9 +78,9 @@ def put_candidates(
     Returns
     -------
     count : int
-        How many there are.
+        Number of candidates.
     depth : float
-        The least of their separations.
+        Their smallest separation, m.
     """
     kept, depth = 0, margin
     for k in range(count):
@@ -96,10 +97,10 @@ def put_candidates(
 
 @compiled
 def choose(candidates: Any, count: int, normal: Vector, tolerance: float, chosen: Any) -> int:
-    """Choose up to four candidates that support what all of them do: write their numbers, return how many.
+    """Choose up to four candidates that span nearly the same area as all of them: write their indices, return their number.
 
-    The deepest; the farthest from it; the one that makes the largest triangle with both; and the one that adds most
-    to it.
+    The deepest; the farthest from it; the one that forms the largest triangle with both; and the one that adds the largest area
+    to this.
     """
     if count <= 4:
         for k in range(count):
@@ -170,7 +171,7 @@ def put_manifold(
     normal : (3,) tuple
         Outward unit normal of the reference face in the frame of the first shape.
     frame : pointer to floats
-        Of the second shape in the first's.
+        Frame of the second shape in the first's.
     second_is_reference : bool
         Whether the reference face belongs to the second shape, and the incident face to the first.
     """

@@ -1,4 +1,4 @@
-"""Where shapes are, and where two of them touch: the function for their kinds is asked, and impulses follow their features."""
+"""The narrow phase: poses of shapes, and manifolds from the contact functions of their kinds, with impulses kept by feature."""
 
 import math
 from typing import Any
@@ -68,12 +68,12 @@ _KEPT = Fields()
 _KEPT.field(4 * POINT_SIZE)  # points
 _OLD_IMPULSE = _KEPT.field(4, "N s")
 _OLD = _KEPT.close()
-_NEAR = 0.2  # of the smaller shape, within which a point takes the impulse of another one
+_NEAR = 0.2  # of the smaller shape: distance within which a point takes over the impulse of another one
 
 
 @compiled
 def place_shapes(t: float, h: float, world: int) -> None:
-    """Compute the poses of the shapes in the world."""
+    """Store the poses of all shapes in the world at the start of the step."""
     placed = floats(world, PLACED)
     for shape in range(rows(world, SHAPE)):
         at, turn = shape_pose(world, shape)
@@ -85,7 +85,7 @@ def place_shapes(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def shape_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
-    """Return where a shape is in the world: its origin and its orientation."""
+    """Return the present pose of a shape in the world: origin and orientation."""
     pose, place = floats(world, POSE), floats(world, PLACE)
     body = integers(world, SHAPE)[shape, BODY_ROW]
     q = quaternion_at(pose, body, ORIENTATION)
@@ -96,14 +96,14 @@ def shape_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
 
 @compiled(inline=True)
 def placed_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
-    """Return the same as it was when the step began, which costs nothing."""
+    """Return the pose of a shape at the start of the step, which is stored."""
     p = floats(world, PLACED)
     return vector_at(p, shape, PLACED_POSITION), quaternion_at(p, shape, PLACED_ORIENTATION)
 
 
 @compiled
 def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float) -> None:
-    """Find the points of a contact again, for a pose of the second shape in the first's frame."""
+    """Find the manifold of a contact, for a pose of the second shape in the first's frame, and keep impulses."""
     contact, manifold, numbers = integers(world, CONTACT), flat(world, MANIFOLD), flat(world, GEOMETRY)
     shape = integers(world, SHAPE)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
@@ -129,15 +129,15 @@ def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float
     if before == 0:
         contact[row, CONTACT_STATE] |= MOVING
     place = floats(world, PLACE)
-    _hand_over(own, old, before, count, _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]))
+    _keep_impulses(own, old, before, count, _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]))
     own[WIDTH_OF_FACE] = _width(own, count)
 
 
 @compiled
-def _hand_over(own: Any, old: Any, before: int, count: int, near: float) -> None:
-    """Give points the impulses of those that had their features before, and else those of the nearest that are left.
+def _keep_impulses(own: Any, old: Any, before: int, count: int, near: float) -> None:
+    """Give each point the impulse of the old point with its features, or else of the nearest one left within `near`.
 
-    Where corners lie on edges, rounding says whether a point is the one or a crossing of the other.
+    If a corner lies on an edge, rounding decides whether the point is the corner or a crossing of edges.
     """
     left = before
     for new in range(count):
@@ -170,9 +170,9 @@ def _at(array: Any, at: int) -> Vector:
 
 @compiled
 def _width(own: Any, count: int) -> float:
-    """Half the least width of the face that points span; zero of an edge and of a point.
+    """Return half the smallest width of the face that points span, m; zero for an edge or a point.
 
-    It is that of a rectangle with the same moments; they are in the frame of the first shape.
+    It is that of the rectangle whose corners have the same second moments.
     """
     if count < 3:
         return 0.0
@@ -197,7 +197,7 @@ def _id(point: int) -> int:
 
 @compiled(inline=True)
 def smallest(reach_a: float, reach_b: float) -> float:
-    """Return the smaller reach of two shapes; that of planes and meshes, which is 0.0, does not count."""
+    """Return the smaller of two bounding radii, ignoring 0.0, which planes and meshes have."""
     if reach_a == 0.0:
         return reach_b
     return reach_a if reach_b == 0.0 else min(reach_a, reach_b)
@@ -205,7 +205,7 @@ def smallest(reach_a: float, reach_b: float) -> float:
 
 @compiled(inline=True)
 def radius(world: int, shape: int) -> float:
-    """Radius of a ball or a capsule; 0.0 of what is not round."""
+    """Return the radius of a ball or a capsule, m; 0.0 for other shapes."""
     shapes = integers(world, SHAPE)
     kind = shapes[shape, SHAPE_KIND]
     return flat(world, GEOMETRY)[shapes[shape, BEGIN]] if kind in (SPHERE, CAPSULE) else 0.0

@@ -1,4 +1,4 @@
-"""Pairs of shapes whose fat bounds overlap: the trees are queried for every shape that left its fat bounds."""
+"""New pairs of shapes whose fat bounds overlap: tree queries for every shape that has left its fat bounds."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
@@ -37,7 +37,7 @@ from kickdrift.world.tables import (
 _PAIR = Fields()
 FIRST_SHAPE = _PAIR.field()
 SECOND_SHAPE = _PAIR.field()
-PART = _PAIR.field()  # of the first, where it is a mesh
+PART = _PAIR.field()  # triangle of the first, if it is a mesh
 PAIR = _PAIR.close()
 
 
@@ -45,7 +45,7 @@ PAIR = _PAIR.close()
 def seek(world: int, shape: int) -> None:
     """Find the new pairs of a shape that left its fat bounds, in ascending order of the other shapes.
 
-    If both shapes are searched, the lower one finds the pair. Pairs without room are only counted.
+    If both shapes are sought, the one with the lower row finds the pair. Pairs without room are only counted.
     """
     planes, movers = integers(world, PLANES), integers(world, MOVERS)
     if sort_of(world, shape) == HALF_SPACE:
@@ -63,7 +63,7 @@ def seek(world: int, shape: int) -> None:
 
 @compiled
 def overlap(world: int, a: int, b: int, part: int) -> bool:
-    """Whether the fat bounds of two shapes overlap; the first may be a plane, or a mesh of which one part counts."""
+    """Whether the fat bounds of two shapes overlap; the first may be a plane, or a mesh, of which triangle `part` counts."""
     sort = sort_of(world, a)
     if sort == HALF_SPACE:
         return reaches_under(world, a, fat_bounds(world, b))
@@ -75,6 +75,7 @@ def overlap(world: int, a: int, b: int, part: int) -> bool:
 
 @compiled
 def _seek_in(world: int, tree: Table, shape: int) -> None:
+    """Find the new pairs of a shape with the shapes of a tree."""
     search = integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, SHAPES_AT] : search[0, PARTS_AT]]
     hits, visits = gather(floats(world, tree)[: rows(world, tree)], fat_bounds(world, shape), found)
@@ -91,7 +92,7 @@ def _seek_in(world: int, tree: Table, shape: int) -> None:
 
 @compiled
 def _is_new(world: int, shape: int, other: int) -> bool:
-    """Whether a shape may have a pair with another one that is not known, and that the other one does not find."""
+    """Whether a shape may form a pair with another one that is not known yet, and that the other one does not find."""
     shapes = integers(world, SHAPE)
     if shape == other or (other < shape and shapes[other, SEARCH_STATE] != AT_HOME):
         return False
@@ -102,10 +103,10 @@ def _is_new(world: int, shape: int, other: int) -> bool:
 
 @compiled
 def _add(world: int, shape: int, other: int) -> None:
-    """Note a pair, or those with the parts of a mesh, if it may be; by kind, a mesh as its triangles, and row."""
+    """Add a pair, or the pairs with the triangles of a mesh, if the shapes may touch; ordered by kind, then by row."""
     if not may_touch(world, shape, other):
         return
-    rank, other_rank = _rank(world, shape), _rank(world, other)
+    rank, other_rank = _contact_kind(world, shape), _contact_kind(world, other)
     a, b = shape, other
     if other_rank < rank or (other_rank == rank and other < shape):
         a, b = other, shape
@@ -117,13 +118,15 @@ def _add(world: int, shape: int, other: int) -> None:
 
 
 @compiled(inline=True)
-def _rank(world: int, shape: int) -> int:
+def _contact_kind(world: int, shape: int) -> int:
+    """Return the kind of a shape in `PAIRS`: TRIANGLE for a mesh."""
     rank: int = TRIANGLE if sort_of(world, shape) == SURFACE else integers(world, SHAPE)[shape, SHAPE_KIND]
     return rank
 
 
 @compiled
 def _add_parts(world: int, mesh: int, shape: int) -> None:
+    """Add the pairs of a shape with the triangles of a mesh that its fat bounds overlap."""
     bounds, search = floats(world, BOUNDS), integers(world, SEARCH)
     found = flat(world, SCRATCH)[search[0, PARTS_AT] : search[0, PAIRS_AT]]
     first, last = int(bounds[mesh, FIRST_TREE_NODE]), int(bounds[mesh, LAST_TREE_NODE])
@@ -138,6 +141,7 @@ def _add_parts(world: int, mesh: int, shape: int) -> None:
 
 @compiled
 def _note(world: int, a: int, b: int, part: int) -> None:
+    """Count a pair, and write it if there is room."""
     search, pairs = integers(world, SEARCH), flat(world, SCRATCH)
     at = search[0, PAIRS_AT] + PAIR * search[0, FOUND]
     if at + PAIR <= room(world, SCRATCH):

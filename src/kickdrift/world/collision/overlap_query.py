@@ -1,4 +1,4 @@
-"""Shapes of a world that overlap one that is not in it."""
+"""Overlap queries: shapes of a world that overlap a shape that is not part of it."""
 
 from typing import Any
 
@@ -35,7 +35,7 @@ _MANIFOLD = MANIFOLD.width
 
 @compiled
 def find_near(world: int, box: Box, found: Any) -> int:
-    """Write the shapes into `found` whose boxes in the trees overlap one, and the planes that it reaches under."""
+    """Write the shapes whose boxes in the trees overlap a box, and the planes that it reaches below, into `found`."""
     planes = integers(world, PLANES)
     count = 0
     for k in range(rows(world, PLANES)):
@@ -52,9 +52,9 @@ def find_near(world: int, box: Box, found: Any) -> int:
 def overlaps(
     world: int, shape: int, kind: int, numbers: Any, at: Vector, turn: Quaternion, box: Box, functions: Any, found: Any
 ) -> bool:
-    """Whether a shape of a world overlaps one of some kind and numbers with a pose and a box.
+    """Whether a shape of the world overlaps another one, given by kind, numbers, pose and bounding box.
 
-    `functions` are the addresses of the functions of `PAIRS` for that kind and the kind of the shape, and `found` has
+    `functions` are the addresses of the functions of `PAIRS` for this kind, by the kind of the shape of the world; `found` has
     room for the triangles of a mesh.
     """
     shapes = integers(world, SHAPE)

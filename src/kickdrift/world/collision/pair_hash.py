@@ -1,4 +1,4 @@
-"""Contacts that are there already, found by their shapes: a hash table at the start of SCRATCH."""
+"""Hash table of the current contacts by their shapes, at the start of SCRATCH."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.dispatch import sort_of
@@ -12,7 +12,7 @@ _EMPTY = -1
 
 @compiled
 def slots_for(contacts: int) -> int:
-    """Return the size of a table that so many contacts leave half empty: a power of two."""
+    """Return the size of the table for a number of contacts: a power of two, at most half full."""
     size = 64
     while size < 2 * contacts:
         size *= 2
@@ -29,7 +29,7 @@ def clear(world: int) -> None:
 
 @compiled(inline=True)
 def key_of(world: int, a: int, b: int, part: int) -> int:
-    """Return one number for a contact, whichever shape is first; parts of meshes are numbered after all shapes."""
+    """Return the key of a contact, whichever shape is first; triangles of meshes are numbered after all shapes."""
     if sort_of(world, a) == SURFACE:
         a = rows(world, SHAPE) + int(floats(world, BOUNDS)[a, FIRST_TREE_NODE]) + part
     return (min(a, b) << 32) | max(a, b)
@@ -49,7 +49,7 @@ def is_known(world: int, key: int) -> bool:
 
 @compiled
 def _slot(world: int, key: int) -> int:
-    """Return where a key is, or where it belongs."""
+    """Return the slot of a key, or the empty one where it belongs."""
     table = integers(world, SCRATCH)
     last = integers(world, SEARCH)[0, SLOTS] - 1
     # The product with an odd number wraps around; from bit 32 on it depends on all bits of both shapes.

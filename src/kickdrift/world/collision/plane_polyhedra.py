@@ -1,4 +1,4 @@
-"""Where boxes and hulls touch a plane: at the corners of the face that looks down."""
+"""Contact of boxes and hulls with a plane, at the corners of their lowest face."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 
 @compiled
 def plane_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a half-space and a box touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a half-space and a box; see `kickdrift.world.collision`."""
     frame = floats_on_stack(12)
     set_frame(frame, pose)
     face = facing(frame, _UP)
@@ -37,7 +37,7 @@ def plane_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
 
 @compiled
 def plane_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a half-space and a hull touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a half-space and a hull; see `kickdrift.world.collision`."""
     frame, seen = floats_on_stack(12), floats_on_stack(PLACED)
     candidates, chosen = floats_on_stack(CANDIDATES), floats_on_stack(4)
     hull = pointer_to(b)

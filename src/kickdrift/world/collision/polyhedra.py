@@ -1,4 +1,4 @@
-"""Where two convex polyhedra touch: the separating axis test, then face against face or edge against edge.
+"""Contact of two convex polyhedra: the separating axis test, then face against face or edge against edge.
 
 Gregorius, The Separating Axis Test between Convex Polyhedra (Game Developers Conference 2013).
 """
@@ -35,13 +35,13 @@ _EDGES = EDGE * MOST_EDGES
 
 @compiled
 def hull_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where two hulls touch; see `kickdrift.world.collision`."""
+    """Find the contact points of two hulls; see `kickdrift.world.collision`."""
     return polyhedron_polyhedron(pointer_to(a), pointer_to(b), pose, margin, manifold)
 
 
 @compiled
 def box_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a box and a hull touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a box and a hull; see `kickdrift.world.collision`."""
     box = floats_on_stack(SIZE_OF_BOX)
     set_box(box, a)
     return polyhedron_polyhedron(box, pointer_to(b), pose, margin, manifold)
@@ -49,7 +49,7 @@ def box_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
 
 @compiled
 def polyhedron_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where two polyhedra touch, given by pointers to their numbers."""
+    """Find the contact points of two polyhedra, given by pointers to their numbers."""
     frame, b_seen = floats_on_stack(12), floats_on_stack(PLACED)
     set_frame(frame, pose)
     place_polyhedron(b_seen, b, frame)
@@ -77,27 +77,26 @@ def touching(
     margin: float,
     manifold: Any,
 ) -> int:
-    """Find where two polyhedra touch that no face separates.
+    """Find the contact points of two polyhedra that no face separates by more than the margin.
 
     Parameters
     ----------
     a, b : pointers to floats
         Numbers of the polyhedra.
     b_seen, frame : pointers to floats
-        The second as the first sees it, and its frame.
+        Vertices and planes of the second in the first's frame, and its frame.
     gap_a, face_a, gap_b, face_b
-        Face of each from which the other is farthest, and how far; -1 if none counts.
+        Largest separation along the face normals of each, and the face; -1 if no face counts.
     apart : float
-        How far the two are from each other along any face's normal, also one along which they may not push.
+        Largest separation along any face normal, including those along which no impulse is allowed, m.
     behind : float
-        How deep points may be although the two are apart, the one behind the other, m.
+        Depth that points may have although the two are separated, as for a body just behind a triangle, m.
     margin, manifold
         See `kickdrift.world.collision`.
     """
     edges_a, edges_b = floats_on_stack(_EDGES), floats_on_stack(_EDGES)
-    # Where a contact is found with a separation g, of a size of no more than `reach`, the two are no farther apart
-    # than |g|. So the pair of edges that is farthest apart, which touches within |g|, lies this near to the best
-    # face's plane.
+    # A contact with separation g has |g| <= `reach`, and the two are no farther apart than |g|. So the edges of the pair with
+    # the largest separation, which touch within |g|, are this close to the plane of the best face.
     if gap_a >= gap_b:
         face_normal, above_a = plane(a, face_a)
         below_b = above_a + gap_a

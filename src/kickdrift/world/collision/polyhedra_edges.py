@@ -1,4 +1,4 @@
-"""Edges of two polyhedra against each other: as separating axes, and as the closest of all features.
+"""Edges of two polyhedra: as separating axes, and as closest features.
 
 Edges are rows of `EDGE` numbers.
 """
@@ -21,9 +21,9 @@ from kickdrift.world.shapes.polyhedron import EDGES, edge, plane, vertex
 # Numbers of an edge
 _EDGE = Fields()
 _EDGE.field(3, "m")  # its middle
-_HALF = _EDGE.field(3, "m")  # the way from there to one end
+_HALF = _EDGE.field(3, "m")  # vector from there to one end
 _NUMBER = _EDGE.field()
-_LEFT = _EDGE.field(3)  # normals of the faces on both sides
+_LEFT = _EDGE.field(3)  # normals of the adjacent faces
 _RIGHT = _EDGE.field(3)
 EDGE = _EDGE.close()
 
@@ -32,9 +32,9 @@ _ROUNDING = 1e-9  # of the lengths of edges
 
 @compiled
 def edges_beyond(numbers: Any, placed: Any, normal: Vector, least: float, edges: Any) -> int:
-    """Write the edges of a polyhedron that reach beyond a plane, normal . x >= least; return how many.
+    """Write the edges of a polyhedron that reach beyond a plane, normal . x >= least; return their number.
 
-    ``placed`` has the vertices and planes of the polyhedron in the frame of the plane, ``numbers`` the rest.
+    ``placed`` holds the vertices and planes of the polyhedron in the frame of the plane, ``numbers`` the rest.
     """
     count = 0
     for k in range(int(numbers[EDGES])):
@@ -53,7 +53,7 @@ def edges_beyond(numbers: Any, placed: Any, normal: Vector, least: float, edges:
 
 @compiled(inline=True)
 def put_row(edges: Any, row: int, begin: Vector, end: Vector, number: int) -> None:
-    """Write an edge but for the normals."""
+    """Write an edge without the normals."""
     at = EDGE * row
     for i in range(3):
         edges[at + i], edges[at + _HALF + i] = 0.5 * (begin[i] + end[i]), 0.5 * (end[i] - begin[i])
@@ -67,7 +67,7 @@ def _vector(edges: Any, at: int) -> Vector:
 
 @compiled
 def count_below(edges: Any, count: int, number: int) -> int:
-    """Count rows of edges whose number is below a given one, in ascending order."""
+    """Return how many rows of edges, in ascending order of their numbers, have a number below a given one."""
     while count > 0 and edges[EDGE * (count - 1) + _NUMBER] >= number:
         count -= 1
     return count
@@ -77,20 +77,18 @@ def count_below(edges: Any, count: int, number: int) -> int:
 def separation_of_edges(
     edges_a: Any, count_a: int, pushing: int, edges_b: Any, count_b: int
 ) -> tuple[float, int, int, Vector, float]:
-    """Find the largest separation along the products of edges, the first of which may push.
+    """Find the largest separation along the cross products of edges, of which the first ``pushing`` of a allow impulses.
 
     Returns
     -------
     gap, row_a, row_b, normal
-        The largest along a product with one of the first ``pushing`` rows of a, the rows of the two, and the unit
-        vector from a to b.
+        The largest separation for one of the first ``pushing`` rows of a, the rows of the pair, and the unit vector from a to
+        b.
     apart : float
-        The largest along any.
+        The largest separation for any row.
 
-    Notes
-    -----
-    Only pairs whose edges make a face of the Minkowski difference count: the arcs between the normals on both sides of
-    each, one of them reversed, cross on the unit sphere (Gregorius 2013, The Separating Axis Test between Convex
+    Notes ----- Only pairs of edges that form a face of the Minkowski difference count: the arcs between the normals of their
+    adjacent faces, those of one negated, intersect on the unit sphere (Gregorius 2013, The Separating Axis Test between Convex
     Polyhedra).
     """
     best, best_a, best_b, normal, apart = -np.inf, count_a, count_b, (0.0, 0.0, 0.0), -np.inf
@@ -125,7 +123,7 @@ def separation_of_edges(
 def put_edges(
     edges_a: Any, i: int, edges_b: Any, j: int, normal: Vector, astray: float, frame: Any, manifold: Any
 ) -> int:
-    """Write the closest points of two edges, or none if they miss each other.
+    """Write the closest points of two edges as a contact point, or none if they miss each other.
 
     Parameters
     ----------
@@ -134,10 +132,10 @@ def put_edges(
     normal : (3,) tuple
         Unit vector from the first to the second.
     astray : float
-        By how much the closest points may miss each other sideways, seen along the normal, m. If that is infinite, the
-        normal is along the way between them, and the given one only where that way is rounding.
+        Distance by which the closest points may miss each other perpendicular to the normal, m. If infinite, the normal is the
+        direction between them, and the given one is used only if their distance is rounding.
     frame : pointer to floats
-        Of the second shape in the first's.
+        Frame of the second shape in the first's.
     manifold : array
         See `kickdrift.world.collision`.
 
@@ -167,9 +165,9 @@ def put_edges(
 def put_closest(
     edges_a: Any, count_a: int, edges_b: Any, count_b: int, axis: Vector, frame: Any, margin: float, manifold: Any
 ) -> int:
-    """Write the closest points of the edges of two polyhedra that are apart, if they are within the margin.
+    """Write the closest points of the edges of two separated polyhedra, if they are within the margin; return their number.
 
-    The normal is along the way between the two, or a given axis if that way is rounding.
+    The normal is the direction between the points, or the given axis if their distance is rounding.
     """
     best, best_a, best_b = margin, count_a, count_b
     for j in range(count_b):

@@ -1,7 +1,7 @@
-"""Faces of two polyhedra against each other.
+"""Faces of two polyhedra: as separating axes, and clipped by each other.
 
-A polyhedron is given twice: its numbers (`kickdrift.world.shapes.polyhedron`), and header, vertices and planes as the
-first shape of the contact sees them.
+A polyhedron is given twice: by its numbers (`kickdrift.world.shapes.polyhedron`), and by header, vertices and planes in the
+frame of the first shape of the contact (`seen`).
 """
 
 from typing import Any
@@ -29,8 +29,7 @@ from kickdrift.world.shapes.polyhedron import (
     vertex,
 )
 
-# Room for header, vertices and planes, and for the candidates: a face of n sides clipped by one of m has up to n + m
-# corners.
+# Room for header, vertices and planes, and for candidates: a face of n sides clipped by one of m has up to n + m corners.
 PLACED = HEADER + 3 * MOST_VERTICES + 4 * (2 * MOST_VERTICES - 4)
 CANDIDATES = CANDIDATE * 2 * MOST_VERTICES
 
@@ -39,7 +38,7 @@ _POLYGON, _SPARE = CORNER * 2 * MOST_VERTICES, (CORNER + 1) * 2 * MOST_VERTICES 
 
 @compiled
 def place_polyhedron(seen: Any, numbers: Any, frame: Any) -> None:
-    """Write header, vertices and planes of a polyhedron as the parent of its frame sees them."""
+    """Write header, vertices and planes of a polyhedron in the parent of its frame."""
     for k in range(HEADER):
         seen[k] = numbers[k]
     for k in range(int(numbers[VERTICES])):
@@ -56,7 +55,7 @@ def place_polyhedron(seen: Any, numbers: Any, frame: Any) -> None:
 
 @compiled
 def separation_of_faces(a: Any, b: Any, margin: float) -> tuple[float, int]:
-    """Find the face of a from which b is farthest: how far, and which; or the first that is farther than the margin."""
+    """Find the largest separation along the face normals of a, and the face; stops at the first larger than the margin."""
     best, best_face = -np.inf, -1
     for k in range(int(a[FACES])):
         normal, offset = plane(a, k)
@@ -70,7 +69,7 @@ def separation_of_faces(a: Any, b: Any, margin: float) -> tuple[float, int]:
 
 @compiled(inline=True)
 def lowest(numbers: Any, normal: Vector) -> float:
-    """Return the least normal . x of all vertices."""
+    """Return the smallest normal . x of all vertices."""
     least = np.inf
     for k in range(int(numbers[VERTICES])):
         least = min(least, dot(normal, vertex(numbers, k)))
@@ -79,10 +78,10 @@ def lowest(numbers: Any, normal: Vector) -> float:
 
 @compiled
 def incident_face(numbers: Any, seen: Any, normal: Vector) -> int:
-    """Find the face that meets one with a given normal.
+    """Return the incident face for a reference face with a given normal.
 
-    At the vertex that lies farthest against the normal, take the edge that is most at right angles to the normal, and
-    of the two faces beside it the one that looks more against the normal.
+    At the support vertex against the normal, take the edge that is most perpendicular to the normal, and of its two faces the
+    one whose normal is most opposed.
     """
     if int(numbers[FACES]) == 1:
         return 0
@@ -114,7 +113,7 @@ def clipped_face(
     slack: float,
     candidates: Any,
 ) -> tuple[int, float]:
-    """Clip a face of one polyhedron by the sides of a face of another; see `put_candidates`."""
+    """Clip a face of one polyhedron by the sides of a face of another; return as `put_candidates`."""
     normal, offset = plane(reference_seen, face)
     polygon, spare = floats_on_stack(_POLYGON), floats_on_stack(_SPARE)
     begin, end = loop(incident, other)

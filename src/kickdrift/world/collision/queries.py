@@ -1,7 +1,6 @@
-"""What rays meet, and what overlaps a box or a ball: questions to a world that leave it as it is.
+"""Spatial queries: ray casts and overlaps with boxes and balls, which do not change the state of the world.
 
-They hold for the poses that the bodies have when they are asked. Sensors are not found. Meshes are surfaces: what is
-inside of a closed one overlaps nothing.
+They use the present poses of bodies. Sensors are not found. Meshes are surfaces: a shape inside a closed one overlaps nothing.
 """
 
 from __future__ import annotations
@@ -41,21 +40,20 @@ Integers = NDArray[np.int64]
 
 
 class RayHit(NamedTuple):
-    """Where a ray meets a shape first.
+    """The first hit of a ray on a shape.
 
     Attributes
     ----------
     shape : int
         Row of the shape.
     body : Body
-        That the shape is a part of.
+        The body of the shape.
     distance : float
-        m.
+        From the origin, m.
     point : (3,) array
         m.
     normal : (3,) array
-        Unit vector out of the shape; of a triangle, to its outside. A ray that starts inside of a shape meets it
-        where it leaves it.
+        Outward unit normal of the shape, or of a triangle. A ray that starts inside a shape hits it where it leaves it.
     """
 
     shape: int
@@ -66,16 +64,16 @@ class RayHit(NamedTuple):
 
 
 class RayHits(NamedTuple):
-    """Where each of N rays meets the first shape.
+    """The first hit of each of N rays.
 
     Attributes
     ----------
     shape, body : (N,) array of int
-        Rows of the shapes and of their bodies; -1 for rays that meet nothing.
+        Rows of the shapes and of their bodies; -1 for rays that hit nothing.
     distance : (N,) array
-        m; infinity for rays that meet nothing.
+        m; infinity for rays that hit nothing.
     point, normal : (N, 3) array
-        As in `RayHit`; NaN for rays that meet nothing.
+        As in `RayHit`; NaN for rays that hit nothing.
     """
 
     shape: Integers
@@ -93,7 +91,7 @@ def ray_cast_all(
     layers: Iterable[int] | None = None,
     ignored: Iterable[int] = (),
 ) -> RayHits:
-    """Return where a ray meets every shape on its way first, the nearest shape first; arguments as in `ray_cast_many`."""
+    """Return the first hit of a ray on each shape along it, nearest first; arguments as in `ray_cast_many`."""
     rays = rays_of(one_vector("origin", origin), one_vector("direction", direction), limit)
     wanted = layer_bits(layers)
     strays = _strays(tables)
@@ -113,25 +111,25 @@ def ray_cast_many(
     layers: Iterable[int] | None = None,
     ignored: Iterable[int] = (),
 ) -> RayHits:
-    """Return the nearest shape that each of many rays meets.
+    """Return the nearest shape that each of many rays hits.
 
     Parameters
     ----------
     tables : Tables
         Of the world.
     origins : (N, 3) or (3,) array_like
-        m; one is that of all rays.
+        m; a single one is shared by all rays.
     directions : (N, 3) array_like
         Any lengths but zero.
     limit, layers
         As in `World.ray_cast`.
     ignored : iterable of int
-        Rows of bodies that rays go through.
+        Rows of bodies that rays pass through.
 
     Raises
     ------
     ArgumentError
-        As in `World.ray_cast`, or if there are not as many origins as directions.
+        As in `World.ray_cast`, or if the numbers of origins and directions differ.
     """
     rays = rays_of(origins, directions, limit)
     wanted = layer_bits(layers)
@@ -159,7 +157,7 @@ def overlap_box(
     size : (3,) array_like
         Lengths of its edges, m.
     position : (3,) array_like
-        Of its middle, m.
+        Of its centre, m.
     orientation : (4,) array_like
         Quaternion (w, x, y, z) that turns its axes into the world's; any length but zero.
     layers : iterable of int, optional
@@ -184,7 +182,7 @@ def overlap_sphere(
     layers: Iterable[int] | None = None,
     ignored: Iterable[int] = (),
 ) -> Integers:
-    """Return the rows of the shapes that overlap a ball of a radius in m; the rest as in `overlap_box`."""
+    """Return the rows of the shapes that overlap a ball with a radius in m; other arguments as in `overlap_box`."""
     ball = Sphere(radius)
     half = np.full(3, ball.radius)
     return _overlap(tables, SPHERE, ball.numbers, position, (1.0, 0.0, 0.0, 0.0), half, layers, ignored)
@@ -222,7 +220,7 @@ def _overlap(
 
 
 def _strays(tables: Tables) -> Integers:
-    """Update the trees to the present shapes, and return those that have left their boxes."""
+    """Update the trees to the present shapes, and return the rows of shapes that have left their fat bounds."""
     find_extents(tables, _kinds(tables))
     status = tables.array(STEP_STATUS)[0]
     while not update_for_queries(tables.address):
@@ -249,7 +247,7 @@ def _rows(bodies: Iterable[int]) -> Integers:
 
 
 def _kinds(tables: Tables) -> list[int]:
-    """Return the kinds of shapes that there are."""
+    """Return the kinds of the present shapes."""
     kinds = np.unique(tables.array(SHAPE)[:, SHAPE_KIND])
     return [int(kind) for kind in kinds if kind >= 0]
 

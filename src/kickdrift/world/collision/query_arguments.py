@@ -1,4 +1,4 @@
-"""Arguments of queries, checked and laid out for compiled code."""
+"""Validation of the arguments of queries, and their layout for compiled code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ALL_LAYERS = (1 << 62) - 1
 
 
 def rays_of(origins: ArrayLike, directions: ArrayLike, limit: Any) -> Floats:
-    """Return rays as rows of an origin (3), a unit vector (3) and a limit."""
+    """Return rays as rows of an origin (3), a unit vector (3) and a limit, (N, 7)."""
     start, way = _vectors("origin", origins), _vectors("direction", directions)
     if len(start) not in (1, len(way)):
         raise ArgumentError(
@@ -65,7 +65,7 @@ def _vectors(argument: str, value: ArrayLike) -> Floats:
 
 
 def layer_bits(layers: Iterable[int] | None) -> int:
-    """Return the bits of some layers, or of all for None."""
+    """Return the bit set of some layers; None stands for all."""
     if layers is None:
         return _ALL_LAYERS
     if not isinstance(layers, Iterable) or (isinstance(layers, np.ndarray) and layers.ndim == 0):

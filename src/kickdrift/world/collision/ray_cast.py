@@ -1,4 +1,4 @@
-"""Ray casts: trees find the candidate shapes, and `kickdrift.world.shapes.rays` where the rays hit them."""
+"""Ray casts: trees find candidate shapes, and the functions of `kickdrift.world.shapes.rays` the hits."""
 
 import math
 from typing import Any
@@ -44,7 +44,7 @@ _ray = caller(RAY)
 
 @compiled
 def cast_many(world: int, rays: Any, functions: Any, strays: Any, layers: int, ignored: Any, hits: Any) -> None:
-    """Find the nearest shape that each ray meets; rows of `hits` stay as they are for rays that meet nothing.
+    """Find the nearest shape that each ray hits; rows of `hits` do not change for rays that hit nothing.
 
     A row of `rays` is an origin (3), a unit vector (3) and a limit.
     """
@@ -54,26 +54,28 @@ def cast_many(world: int, rays: Any, functions: Any, strays: Any, layers: int, i
 
 @compiled
 def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, ignored: Any, hits: Any) -> int:
-    """Find all shapes that a ray meets, in no order, or where there is room for one the nearest; return how many.
+    """Find all shapes that a ray hits, unordered, or only the nearest if `hits` has one row; return their number.
 
     Parameters
     ----------
     functions : array of int
-        Addresses of the functions by which rays meet shapes, by their kind.
+        Addresses of the ray functions of shapes, by kind.
     strays : (M,) array of int
-        Shapes that may have left their boxes in the trees; of all of them, some can be met twice.
+        Shapes that may have left their boxes in the trees, and may be hit twice.
     layers : int
-        Bits of the layers that are met. Sensors are not.
+        Bit set of the layers that can be hit. Sensors cannot.
     ignored : (K,) array of int
-        Rows of bodies that are not met.
+        Rows of bodies that the ray passes through.
+    hits : (N, HIT) array
+        Output.
     """
     planes = integers(world, PLANES)
     limit = ray[6]
     count = 0
     for k in range(rows(world, PLANES)):
-        count, limit = _meet(world, planes[k, 0], ray, limit, functions, layers, ignored, hits, count)
+        count, limit = _cast_at(world, planes[k, 0], ray, limit, functions, layers, ignored, hits, count)
     for k in range(len(strays)):
-        count, limit = _meet(world, strays[k], ray, limit, functions, layers, ignored, hits, count)
+        count, limit = _cast_at(world, strays[k], ray, limit, functions, layers, ignored, hits, count)
     origin, inverse = (ray[0], ray[1], ray[2]), reciprocal((ray[3], ray[4], ray[5]))
     walk = carray(floats_on_stack(512), (512,))
     for table in (STATIC_TREE, TREE):
@@ -81,18 +83,19 @@ def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, ignored
         start(walk, nodes, origin, inverse)
         shape = advance(walk, nodes, origin, inverse, limit)
         while shape != NOTHING:
-            count, limit = _meet(world, shape, ray, limit, functions, layers, ignored, hits, count)
+            count, limit = _cast_at(world, shape, ray, limit, functions, layers, ignored, hits, count)
             shape = advance(walk, nodes, origin, inverse, limit)
     return count
 
 
 @compiled
-def _meet(
+def _cast_at(
     world: int, shape: int, ray: Any, limit: float, functions: Any, layers: int, ignored: Any, hits: Any, count: int
 ) -> tuple[int, float]:
-    """Note where a ray meets a shape; return the number of hits, and how far away others may be.
+    """Write the hit of a ray on a shape, if any; return the number of hits, and the distance up to which others count.
 
-    Of shapes at the same distance the lowest is the nearest, so that it does not depend on how the trees were built.
+    Of shapes at the same distance the one with the lowest row wins, so that the result does not depend on how the trees were
+    built.
     """
     shapes = integers(world, SHAPE)
     if shapes[shape, SHAPE_KIND] < 0 or shapes[shape, IS_SENSOR] != 0 or shapes[shape, LAYER] & layers == 0:
@@ -104,7 +107,7 @@ def _meet(
     origin = turned_back(q, minus((ray[0], ray[1], ray[2]), at))
     direction = turned_back(q, (ray[3], ray[4], ray[5]))
     if sort_of(world, shape) == SURFACE:
-        hit = _meet_mesh(world, shape, origin, direction, limit, functions)
+        hit = _cast_at_mesh(world, shape, origin, direction, limit, functions)
     else:
         begin = shapes[shape, BEGIN]
         numbers = flat(world, GEOMETRY)[begin : begin + shapes[shape, SIZE]]
@@ -122,8 +125,8 @@ def _meet(
 
 
 @compiled
-def _meet_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limit: float, functions: Any) -> Hit:
-    """Return where a ray meets the first triangle of a mesh."""
+def _cast_at_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limit: float, functions: Any) -> Hit:
+    """Return the nearest hit of a ray on the triangles of a mesh."""
     bounds, numbers = floats(world, BOUNDS), flat(world, GEOMETRY)
     nodes = floats(world, TRIANGLE_TREE)[int(bounds[mesh, FIRST_TREE_NODE]) : int(bounds[mesh, LAST_TREE_NODE])]
     inverse = reciprocal(direction)

@@ -1,4 +1,4 @@
-"""What the search for pairs remembers: columns of the row of `kickdrift.world.tables.SEARCH`, and states of shapes."""
+"""State of the search for pairs: columns of the one row of `kickdrift.world.tables.SEARCH`, and states of shapes."""
 
 from __future__ import annotations
 
@@ -22,49 +22,49 @@ from kickdrift.world.tables import (
 )
 
 # Columns of SEARCH
-CHANGED = column(SEARCH)  # whether shapes have come, gone or changed, so that the lists of them are made again
-STATIC_CHANGED = column(SEARCH)  # the tree over those that may not move is built again
-PARTS_CHANGED = column(SEARCH)  # the trees over the triangles of meshes are built again
-MOVERS_CHANGED = column(SEARCH)  # the tree over those that may move is built again
-LEFT = column(SEARCH)  # how often a shape has left its fat bounds since that tree was built
-FITTED = column(SEARCH)  # of them, those that its boxes have been drawn around
-REVIEW = column(SEARCH)  # contacts are to be looked through although no shape has left its fat bounds
-VISITS = column(SEARCH)  # nodes of trees that have been looked at
-SLOTS = column(SEARCH)  # of the table of known contacts, with which SCRATCH begins
-SHAPES_AT = column(SEARCH)  # where in SCRATCH there is room for the shapes that a tree finds
-PARTS_AT = column(SEARCH)  # for the parts of a mesh
-PAIRS_AT = column(SEARCH)  # for the pairs that are new
-FOUND = column(SEARCH)  # how many of them there are
-TRIES = column(SEARCH)  # how often this step has been begun again: see `missed`
-CONTACTS = column(SEARCH)  # how many contacts there were at the end of the last search
+CHANGED = column(SEARCH)  # whether shapes were added, removed or changed, so that the lists of shapes must be rebuilt
+STATIC_CHANGED = column(SEARCH)  # the tree over immovable shapes must be rebuilt
+PARTS_CHANGED = column(SEARCH)  # the trees over the triangles of meshes must be rebuilt
+MOVERS_CHANGED = column(SEARCH)  # the tree over movable shapes must be rebuilt
+LEFT = column(SEARCH)  # how often shapes have left their fat bounds since that tree was built
+FITTED = column(SEARCH)  # LEFT at its last refit
+REVIEW = column(SEARCH)  # contacts must be checked although no shape has left its fat bounds
+VISITS = column(SEARCH)  # tree nodes visited so far
+SLOTS = column(SEARCH)  # size of the hash table of contacts, with which SCRATCH begins
+SHAPES_AT = column(SEARCH)  # where in SCRATCH the results of tree queries begin
+PARTS_AT = column(SEARCH)  # those of queries for the triangles of a mesh
+PAIRS_AT = column(SEARCH)  # the new pairs
+FOUND = column(SEARCH)  # number of new pairs
+TRIES = column(SEARCH)  # how often this step has been repeated: see `missed`
+CONTACTS = column(SEARCH)  # number of contacts at the end of the last search
 
 # Values of CHANGED besides 0
 UNSEEN = 1
-SEEN = 2  # the trees hold them, for queries
+SEEN = 2  # but the trees are up to date, for queries
 
 # Values of SEARCH_STATE
-NEW = 0  # nothing is known of it
-AT_HOME = 1  # in its fat bounds, and its pairs are known
-SOUGHT_ANEW = 2  # in fat bounds that are new
+NEW = 0  # without valid bounds and pairs
+AT_HOME = 1  # within its fat bounds, with known pairs
+SOUGHT_ANEW = 2  # with new fat bounds, for which pairs must be sought
 
 
 def shapes_changed(tables: Tables, rows: ArrayLike = ()) -> None:
-    """Note that shapes have come or gone, and which ones count as new.
+    """Note that shapes were added or removed, and mark some as new.
 
     Parameters
     ----------
     tables : Tables
         Of the world.
     rows : array_like of int
-        Shapes that are in another place than their bodies have brought them to, that have other geometry, or whose
-        body may move now and might not before, or the other way round. Rows of zeros need not be named.
+        Shapes that were moved other than by a step, whose geometry has changed, or whose body has become movable or immovable.
+        Rows of zeros are new already.
     """
     tables.resize(SEARCH, 1)[0, CHANGED] = UNSEEN
     tables.array(SHAPE)[np.asarray(rows, dtype=np.intp), SEARCH_STATE] = NEW
 
 
 def shapes_new(tables: Tables) -> None:
-    """Have all lists and trees of shapes built again from the present shapes and contacts."""
+    """Have all lists and trees of shapes rebuilt from the present shapes and contacts."""
     for table in (MOVERS, FIXTURES, PLANES, SOUGHT, TREE, STATIC_TREE, TRIANGLE_TREE):
         tables.resize(table, 0)
     search = tables.resize(SEARCH, 1)[0]
@@ -74,7 +74,7 @@ def shapes_new(tables: Tables) -> None:
 
 
 def filters_changed(tables: Tables, bodies: ArrayLike) -> None:
-    """Note that the shapes of some bodies meet others than before: their contacts are filtered, and searched again.
+    """Note that the filters of some bodies have changed: contacts of their shapes are filtered, and sought again.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Frames of shapes in pair functions: rotation matrix by rows (9) and origin (3)."""
+"""Frames of shapes in contact functions: rotation matrix by rows (9) and origin (3)."""
 
 from typing import Any
 
@@ -24,14 +24,14 @@ def set_frame(frame: Any, pose: Any) -> None:
 
 @compiled
 def set_at_rest(frame: Any) -> None:
-    """Write the frame that is its own parent."""
+    """Write the identity frame."""
     for k in range(12):
         frame[k] = 1.0 if k == 0 or k == 4 or k == 8 else 0.0
 
 
 @compiled(inline=True)
 def directed(frame: Any, a: Vector) -> Vector:
-    """Turn a direction into the parent's axes."""
+    """Convert a direction from the frame to its parent."""
     return (
         frame[0] * a[0] + frame[1] * a[1] + frame[2] * a[2],
         frame[3] * a[0] + frame[4] * a[1] + frame[5] * a[2],
@@ -41,7 +41,7 @@ def directed(frame: Any, a: Vector) -> Vector:
 
 @compiled(inline=True)
 def directed_back(frame: Any, a: Vector) -> Vector:
-    """Turn a direction into the frame's own axes."""
+    """Convert a direction from the parent to the frame."""
     return (
         frame[0] * a[0] + frame[3] * a[1] + frame[6] * a[2],
         frame[1] * a[0] + frame[4] * a[1] + frame[7] * a[2],
@@ -51,20 +51,20 @@ def directed_back(frame: Any, a: Vector) -> Vector:
 
 @compiled(inline=True)
 def placed(frame: Any, a: Vector) -> Vector:
-    """Return a point of the frame as its parent sees it."""
+    """Convert a point from the frame to its parent."""
     b = directed(frame, a)
     return (b[0] + frame[9], b[1] + frame[10], b[2] + frame[11])
 
 
 @compiled(inline=True)
 def placed_back(frame: Any, a: Vector) -> Vector:
-    """Return a point of the parent as the frame sees it."""
+    """Convert a point from the parent to the frame."""
     return directed_back(frame, (a[0] - frame[9], a[1] - frame[10], a[2] - frame[11]))
 
 
 @compiled
 def set_frame_back(frame: Any, pose: Any) -> None:
-    """Write the frame of the first shape in the second's, whose pose in the first's is given."""
+    """Write the frame of the first shape in the second's, from the pose of the second in the first's."""
     w, x, y, z = pose[3], -pose[4], -pose[5], -pose[6]
     frame[0], frame[4], frame[8] = 1.0 - 2.0 * (y * y + z * z), 1.0 - 2.0 * (x * x + z * z), 1.0 - 2.0 * (x * x + y * y)
     frame[1], frame[3] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)

@@ -1,4 +1,4 @@
-"""Lists of the shapes that may move, of those that may not, of planes, and of those whose pairs are searched again."""
+"""Lists of movable shapes, of immovable ones, of planes, and of shapes whose pairs are sought again."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.dispatch import sort_of
@@ -40,9 +40,9 @@ from kickdrift.world.tables import (
 
 @compiled
 def update_bounds(world: int, h: float) -> bool:
-    """List the shapes that leave their fat bounds in a step of h, for the pair search; False on an error."""
+    """List the shapes that leave their fat bounds in a step of h in SOUGHT; False on an error."""
     search, shapes = integers(world, SEARCH), integers(world, SHAPE)
-    if search[0, CONTACTS] != rows(world, CONTACT):  # someone else has removed some
+    if search[0, CONTACTS] != rows(world, CONTACT):  # contacts were removed elsewhere
         for shape in range(rows(world, SHAPE)):
             if shapes[shape, SEARCH_STATE] == AT_HOME:
                 shapes[shape, SEARCH_STATE] = SOUGHT_ANEW
@@ -68,7 +68,7 @@ def update_bounds(world: int, h: float) -> bool:
 
 @compiled
 def enlist(world: int, h: float) -> bool:
-    """Make the lists again, and give new shapes their boxes."""
+    """Rebuild the lists, and give new shapes fat bounds; False on an error."""
     shapes, bounds, search = integers(world, SHAPE), floats(world, BOUNDS), integers(world, SEARCH)
     count = rows(world, SHAPE)
     for table in (MOVERS, FIXTURES, PLANES, SOUGHT):
@@ -87,7 +87,7 @@ def enlist(world: int, h: float) -> bool:
         if state == NEW and sort != HALF_SPACE:
             for k in range(6):
                 bounds[shape, k] = 0.0
-            bounds[shape, UPPER] = -1.0  # holds nothing
+            bounds[shape, UPPER] = -1.0  # empty bounds
             settle(world, shape, h)
             if not is_somewhere(world, shape):
                 report_body(world, shapes[shape, BODY_ROW])

@@ -1,4 +1,4 @@
-"""Sorting in place: whatever a tree finds is put into an order that does not depend on the tree."""
+"""In-place sorting, so that results of tree queries are in an order that does not depend on the tree."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 
 @compiled
 def sort(numbers: Any, count: int) -> None:
-    """Sort the first numbers of an array, mostly few: Shell's method with Knuth's gaps, at worst n^1.5 steps."""
+    """Sort the first `count` numbers of an array, usually few: Shell's method with Knuth's gaps, n^1.5 steps at worst."""
     gap = 1
     while 3 * gap < count:
         gap = 3 * gap + 1

@@ -1,4 +1,4 @@
-"""Where a ball and a convex polyhedron touch."""
+"""Contact of a ball and a convex polyhedron."""
 
 import math
 from typing import Any
@@ -14,9 +14,9 @@ NONE = -1
 
 @compiled
 def sphere_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a ball and a polyhedron touch; see `kickdrift.world.collision`.
+    """Find the contact point of a ball and a polyhedron; see `kickdrift.world.collision`.
 
-    A ball whose centre is inside leaves by the nearest face.
+    If the centre is inside, the normal is that of the nearest face.
     """
     q, radius = turn(pose), a[0]
     centre = turned_back(q, times(-1.0, place(pose)))  # of the ball in the polyhedron's frame
@@ -43,14 +43,14 @@ def sphere_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
 
 @compiled(inline=True)
 def height_over(numbers: Any, face: int, p: Vector) -> float:
-    """Signed distance of a point from the plane of a face."""
+    """Return the signed distance of a point from the plane of a face."""
     normal, offset = plane(numbers, face)
     return dot(normal, p) - offset
 
 
 @compiled
 def _highest(numbers: Any, p: Vector) -> tuple[int, float]:
-    """Face over whose plane a point is highest, and how high."""
+    """Return the face whose plane a point is farthest above, and its signed distance."""
     best, chosen = -math.inf, 0
     for face in range(int(numbers[FACES])):
         height = height_over(numbers, face, p)
@@ -61,7 +61,7 @@ def _highest(numbers: Any, p: Vector) -> tuple[int, float]:
 
 @compiled
 def over_face(numbers: Any, face: int, p: Vector) -> bool:
-    """Whether a point lies straight over or under a face."""
+    """Whether a point is straight above or below a face."""
     normal, _ = plane(numbers, face)
     first, last = loop(numbers, face)
     start = vertex(numbers, loop_vertex(numbers, last - 1))
@@ -75,7 +75,7 @@ def over_face(numbers: Any, face: int, p: Vector) -> bool:
 
 @compiled
 def nearest_face(numbers: Any, p: Vector) -> tuple[int, float]:
-    """Face that a point outside lies straight over, and how high; `NONE` and infinity if there is no such face."""
+    """Return the nearest face that an outside point is straight above, and its height; `NONE` and infinity without any."""
     best, chosen = math.inf, NONE
     for face in range(int(numbers[FACES])):
         height = height_over(numbers, face, p)
@@ -86,7 +86,7 @@ def nearest_face(numbers: Any, p: Vector) -> tuple[int, float]:
 
 @compiled
 def _nearest_on_edges(numbers: Any, p: Vector) -> tuple[Vector, float]:
-    """Point on the edges of a polyhedron that is nearest to a point, and how far that is."""
+    """Return the nearest point on the edges of a polyhedron, and its distance."""
     best, nearest = math.inf, p
     for k in range(int(numbers[EDGES])):
         begin, end, _, _ = edge(numbers, k)

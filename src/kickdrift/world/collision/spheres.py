@@ -1,4 +1,4 @@
-"""Where balls touch planes, balls, capsules and boxes."""
+"""Contact of balls with planes, balls, capsules and boxes."""
 
 import math
 from typing import Any
@@ -9,12 +9,12 @@ from kickdrift.world.collision.manifold_points import place, put_normal, put_poi
 from kickdrift.world.shapes.closest_points import clamped, outside_box
 
 _UP: Vector = (0.0, 0.0, 1.0)
-_TINY = 1e-140  # m, below which squares underflow: two points are one
+_TINY = 1e-140  # m, below which squares underflow: points coincide
 
 
 @compiled
 def plane_sphere(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a half-space and a ball touch; see `kickdrift.world.collision`."""
+    """Find the contact point of a half-space and a ball; see `kickdrift.world.collision`."""
     centre, radius = place(pose), b[0]
     if centre[2] - radius > margin:
         return 0
@@ -25,7 +25,7 @@ def plane_sphere(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int
 
 @compiled
 def sphere_sphere(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where two balls touch; see `kickdrift.world.collision`."""
+    """Find the contact point of two balls; see `kickdrift.world.collision`."""
     centre = place(pose)
     distance = length(centre)
     if distance - a[0] - b[0] > margin:
@@ -38,7 +38,7 @@ def sphere_sphere(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
 
 @compiled
 def sphere_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a ball and a capsule touch; see `kickdrift.world.collision`."""
+    """Find the contact point of a ball and a capsule; see `kickdrift.world.collision`."""
     q = turn(pose)
     centre = turned_back(q, times(-1.0, place(pose)))  # of the ball in the capsule's frame
     t = clamped(centre[2], -b[1], b[1])
@@ -56,9 +56,9 @@ def sphere_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> i
 
 @compiled
 def sphere_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a ball and a box touch; see `kickdrift.world.collision`.
+    """Find the contact point of a ball and a box; see `kickdrift.world.collision`.
 
-    A ball whose centre is inside leaves by the nearest face.
+    If the centre is inside, the normal is that of the nearest face.
     """
     q = turn(pose)
     half = (b[0], b[1], b[2])
@@ -79,7 +79,7 @@ def sphere_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
 
 @compiled(inline=True)
 def _nearest_face(p: Vector, half: Vector) -> tuple[Vector, Vector]:
-    """Return the normal of the face of a box that is nearest to a point inside, and the point of the face."""
+    """Return the normal of the face of a box nearest to a point inside, and the nearest point of that face."""
     dx, dy, dz = half[0] - abs(p[0]), half[1] - abs(p[1]), half[2] - abs(p[2])
     if dx <= dy and dx <= dz:
         sign = math.copysign(1.0, p[0])

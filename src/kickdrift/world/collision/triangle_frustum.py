@@ -1,4 +1,4 @@
-"""Where cylinders and cones touch a triangle of a surface, from its one side: see `triangle_polyhedra`."""
+"""Contact of cylinders and cones with a triangle of a mesh, which is one-sided: see `triangle_polyhedra`."""
 
 from typing import Any
 
@@ -16,20 +16,20 @@ from kickdrift.world.shapes.frustum import deepest, frustum_of, highest
 from kickdrift.world.shapes.polyhedron import plane, vertex
 from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
-# Cosine of the angle between normal and face, below which the face on the other side of the edge sees more of it.
+# Cosine of the angle between contact normal and triangle normal below which the triangle across the edge is responsible.
 _BACKWARDS = -0.01
 
 
 @compiled
 def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a triangle and a frustum touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a triangle and a frustum; see `kickdrift.world.collision`."""
     triangle, frame, seen = floats_on_stack(SIZE_OF_TRIANGLE), floats_on_stack(12), floats_on_stack(PLACED)
     set_triangle(triangle, a)
     set_frame_back(frame, pose)
     place_polyhedron(seen, triangle, frame)
     f = frustum_of(b)
     normal, offset = plane(seen, 0)
-    if -offset < -min(BEHIND, 0.5 * margin):  # how high its middle is
+    if -offset < -min(BEHIND, 0.5 * margin):  # height of the frustum's middle
         return 0
     gap_face = -highest(f, times(-1.0, normal)) - offset
     if gap_face > margin:

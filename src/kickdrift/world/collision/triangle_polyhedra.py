@@ -1,8 +1,8 @@
-"""Where boxes and hulls touch a triangle of a mesh, whose outside is where its corners are seen counter-clockwise.
+"""Contact of boxes and hulls with a triangle of a mesh, whose corners are counter-clockwise as seen from outside.
 
-The triangle stands for the surface of a solid: it pushes along its normal, and sideways only at edges where the
-surface is convex. At other edges the neighbouring triangle goes on, and what seems to touch the edge from the side
-rests on that one. Without this a box that slides over a flat floor of many triangles would catch at their edges.
+The triangle is part of the surface of a solid: it pushes along its normal, and sideways only at convex edges. At other edges
+the surface continues with the adjacent triangle, on which a body rests that seems to touch the edge from the side. Otherwise a
+box that slides over a flat floor of many triangles would catch on their edges.
 """
 
 import math
@@ -36,11 +36,12 @@ from kickdrift.world.shapes.polyhedron import (
 )
 from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
-# A body whose centre is deeper than this, or than half of the margin, is behind the triangle and not in touch with
-# it. Thin plates may sink as deep as the slop and must be lifted out.
+# A body whose centre is deeper than this, or than half of the margin, is behind the triangle and does not touch it. Thin plates
+# may sink in as deep as the slop, and must be lifted out.
 BEHIND = 0.01  # m, twice the slop of a world by default
 
-# How far a triangle may push down at an edge: the sine of the angle, for rounding at upright sides must not decide.
+# Sine of the largest angle by which a triangle may push downwards at an edge, so that rounding at vertical sides does not
+# decide.
 _DOWN = 0.25
 
 # One face; planes for it, for the sides that stand on its edges, and for its back; six edges
@@ -53,7 +54,7 @@ SIZE_OF_TRIANGLE = _EDGES + 24
 
 @compiled
 def triangle_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a triangle of a mesh and a box touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a triangle of a mesh and a box; see `kickdrift.world.collision`."""
     box = floats_on_stack(SIZE_OF_BOX)
     set_box(box, b)
     return triangle_polyhedron(a, box, pose, margin, manifold)
@@ -61,13 +62,13 @@ def triangle_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int
 
 @compiled
 def triangle_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a triangle of a mesh and a hull touch; see `kickdrift.world.collision`."""
+    """Find the contact points of a triangle of a mesh and a hull; see `kickdrift.world.collision`."""
     return triangle_polyhedron(a, pointer_to(b), pose, margin, manifold)
 
 
 @compiled
 def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a triangle and a polyhedron touch, the second given by a pointer to its numbers."""
+    """Find the contact points of a triangle and a polyhedron, the second given by a pointer to its numbers."""
     triangle, frame, seen = floats_on_stack(SIZE_OF_TRIANGLE), floats_on_stack(12), floats_on_stack(PLACED)
     set_triangle(triangle, a)
     face_a = int(triangle[FACES]) - 1
@@ -89,7 +90,7 @@ def triangle_polyhedron(a: Any, b: Any, pose: Any, margin: float, manifold: Any)
 
 @compiled
 def _separation_of_faces(triangle: Any, a: Any, b: Any, margin: float) -> tuple[float, int, float]:
-    """Find the face of a polyhedron from which a triangle is farthest, of those it may push; and how far from any."""
+    """Find the largest separation along faces of a polyhedron that the triangle may push, the face, and that of any face."""
     best, best_face, apart = -np.inf, -1, -np.inf
     for k in range(int(b[FACES])):
         outward, height = plane(b, k)
@@ -104,7 +105,7 @@ def _separation_of_faces(triangle: Any, a: Any, b: Any, margin: float) -> tuple[
 
 @compiled
 def _pushes(triangle: Any, a: Any, direction: Vector) -> bool:
-    """Whether the triangle may push in a direction, at the edge that looks there most."""
+    """Whether the triangle may push in a direction, at the edge whose side is closest to it."""
     best, most, up = 0, -np.inf, 0.0
     for k in range(4):
         outward, _ = plane(triangle, k)
@@ -118,11 +119,11 @@ def _pushes(triangle: Any, a: Any, direction: Vector) -> bool:
 
 @compiled
 def set_triangle(triangle: Any, a: Any) -> None:
-    """Write a triangle as a polyhedron of one face, and its edges twice: above, and below.
+    """Write a triangle as a polyhedron with one face, in which each edge occurs twice: as an upper and as a lower edge.
 
-    A side stands on each edge, which leans below the triangle. The normals beside an edge are, above, those of the
-    triangle and of the side, and below, that of the side and the triangle's reversed. Edges push within those above,
-    and where the surface is convex.
+    Each edge has a side plane that slants below the triangle. The adjacent normals of an upper edge are those of the triangle
+    and of the side, those of a lower edge those of the side and of the back. Only upper edges push, and only where the surface
+    is convex.
     """
     for k in range(SIZE_OF_TRIANGLE):
         triangle[k] = 0.0

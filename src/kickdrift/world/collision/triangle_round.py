@@ -1,8 +1,8 @@
-"""Where round shapes touch a triangle of a mesh.
+"""Contact of round shapes with a triangle of a mesh.
 
-Triangles have one side: what comes from behind is none of theirs, except for what has sunk in by less than half of its
-radius. At an edge that is not convex, as those inside of a flat floor, nothing can touch but the faces beside it: there
-the normal is the face's, and the face reaches a little further than its edge so that nothing falls between two.
+Triangles are one-sided: shapes behind them do not touch, unless they have sunk in by less than half of their radius. At an edge
+that is not convex, as inside a flat floor, only the adjacent faces touch: the normal is that of the face, which extends
+slightly beyond the edge, so that nothing falls between two faces.
 """
 
 import math
@@ -29,13 +29,13 @@ from kickdrift.world.shapes.closest_points import COINCIDENT, along, clamped, se
 from kickdrift.world.shapes.triangle import ACTIVE_EDGES
 
 _UP: Vector = (0.0, 0.0, 1.0)
-_BEHIND = 0.5  # radii, by which the middle of a round shape may have sunk in
+_BEHIND = 0.5  # radii: depth up to which the middle of a round shape still touches
 
-# Of the radius or the height: how far a face reaches over an edge that is not convex. Those that fall away by up to
-# five degrees count as such in meshes, and what is over them but over no face is tan(5 degrees) of the height wide.
+# Extension of a face beyond an edge that is not convex, relative to the radius or the height. In meshes, edges with an angle of
+# up to five degrees count as flat, and the gap above them that no face covers is tan(5 degrees) times the height wide.
 _OVERLAP = 0.1
 
-# Cosine of the angle between normal and face, below which the face on the other side of the edge sees more of it.
+# Cosine of the angle between contact normal and triangle normal below which the triangle across the edge is responsible.
 _BACKWARDS = -0.01
 
 _FACE = -1
@@ -45,7 +45,7 @@ Corners = tuple[Vector, Vector, Vector]
 
 @compiled
 def triangle_sphere(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a triangle and a ball touch; see `kickdrift.world.collision`."""
+    """Find the contact point of a triangle and a ball; see `kickdrift.world.collision`."""
     centre, radius = place(pose), b[0]
     corners, up = _triangle(a)
     height = dot(minus(centre, corners[0]), up)
@@ -74,9 +74,9 @@ def triangle_sphere(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
 
 @compiled
 def triangle_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find where a triangle and a capsule touch; see `kickdrift.world.collision`.
+    """Find the contact points of a triangle and a capsule; see `kickdrift.world.collision`.
 
-    A capsule whose axis passes through the triangle is pushed out to its front.
+    A capsule whose axis passes through the triangle is pushed out towards its front.
     """
     centre, q, radius, half = place(pose), turn(pose), b[0], b[1]
     axis = turned(q, _UP)
@@ -141,7 +141,7 @@ def _edge(corners: Corners, k: int) -> tuple[Vector, Vector]:
 
 @compiled(inline=True)
 def _convex(a: Any, edge: int, t: float) -> bool:
-    """Whether an edge, or at one of its ends, -1 or 1, the one that it meets there, is convex."""
+    """Whether an edge is convex or, for a point at one of its ends, t = -1 or 1, the edge that it meets there."""
     if a[ACTIVE_EDGES + edge] != 0.0:
         return True
     if t >= 1.0:
@@ -151,7 +151,7 @@ def _convex(a: Any, edge: int, t: float) -> bool:
 
 @compiled
 def _edge_beside(corners: Corners, up: Vector, p: Vector) -> tuple[int, float, Vector]:
-    """Find the nearest edge, the place on it from -1 to 1, and the point; or that a point is over or under the face."""
+    """Return the nearest edge, the position on it from -1 to 1, and the point; `_FACE` if p is above or below the face."""
     best, chosen, place_on_it, nearest = math.inf, _FACE, 0.0, p
     for k in range(3):
         start, to = _edge(corners, k)
@@ -199,7 +199,7 @@ def _nearest(
 
 @compiled
 def _over(a: Any, corners: Corners, up: Vector, centre: Vector, axis: Vector, half: float, overlap: float) -> Range:
-    """Range of a segment that is over or under a triangle; low > high if there is none."""
+    """Return the range of a segment above or below a triangle; low > high if it is empty."""
     low, high = -half, half
     for k in range(3):
         start, to = _edge(corners, k)
@@ -218,5 +218,5 @@ def _over(a: Any, corners: Corners, up: Vector, centre: Vector, axis: Vector, ha
 
 @compiled(inline=True)
 def _foot(centre: Vector, axis: Vector, t: float, height: float, rise: float, up: Vector) -> Vector:
-    """Point of the face's plane under a point of the capsule."""
+    """Return the projection of a point of the capsule's axis onto the plane of the face."""
     return along(along(centre, t, axis), -height - t * rise, up)

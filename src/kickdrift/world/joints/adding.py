@@ -28,7 +28,7 @@ P = ParamSpec("P")
 
 
 def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint]:
-    """Make the method of a world that adds a joint of a kind; what it takes after the bodies is what the record takes."""
+    """Make the method of a world that adds a joint of a kind; its arguments after the bodies are those of the record."""
 
     @functools.wraps(kind, updated=())
     def add(self: "AddsJoints", body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
@@ -53,7 +53,7 @@ def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate["AddsJoints", P], 
 
 
 def _sign(add: Callable[..., Joint], kind: Callable[..., Record], first: tuple[str, ...]) -> None:
-    """Give a method the signature that people see: some arguments, then those of the record."""
+    """Set the signature of a method for documentation: the first arguments, then those of the record."""
     own = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in first]
     parameters = [*own, *inspect.signature(kind).parameters.values()]
     vars(add)["__signature__"] = inspect.Signature(parameters, return_annotation="Joint")
@@ -87,7 +87,7 @@ class AddsJoints:
         Raises
         ------
         ArgumentError
-            For a body with itself, removed bodies, and whatever the record refuses.
+            For a body with itself, removed bodies, bodies of which none is dynamic, and invalid parameters of the record.
 
         Examples
         --------

@@ -9,33 +9,35 @@ import numpy as np
 from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError
 
-_LARGEST = 2**1023  # whole numbers that are larger are no floats
+_LARGEST = 2**1023  # integers below this can be converted to floats
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is a real number that floats hold, and no bool."""
+    """Whether a value is a real number that a float can hold, and not a bool."""
     if isinstance(value, int):
         return not isinstance(value, bool) and -_LARGEST < value < _LARGEST
     return isinstance(value, float | np.integer | np.floating)
 
 
 def finite(argument: str, value: float) -> None:
-    """Refuse a number that is not finite.
+    """Check that a value is a finite number.
 
     Raises
     ------
     ArgumentError
+        If it is not.
     """
     if not ((type(value) is float or is_number(value)) and math.isfinite(value)):
         raise ArgumentError(f"{argument}={value!r} must be a finite number.")
 
 
 def not_negative(argument: str, value: float, unit: str, *, infinite: bool = False) -> None:
-    """Refuse a number below zero.
+    """Check that a value is a number, zero or positive, and finite unless `infinite`.
 
     Raises
     ------
     ArgumentError
+        If it is not.
     """
     if type(value) is float and 0.0 <= value < math.inf:
         return
@@ -45,11 +47,12 @@ def not_negative(argument: str, value: float, unit: str, *, infinite: bool = Fal
 
 
 def pair(argument: str, value: Any) -> tuple[float, float]:
-    """Return two numbers, which may be infinite.
+    """Return a pair of numbers, which may be infinite.
 
     Raises
     ------
     ArgumentError
+        For anything else.
     """
     ends = list(value) if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim == 1) else []
     if len(ends) != 2 or not all(is_number(end) for end in ends):
@@ -58,11 +61,12 @@ def pair(argument: str, value: Any) -> tuple[float, float]:
 
 
 def check_kind(argument: str, value: Any, kind: type) -> None:
-    """Refuse what is neither None nor of a kind.
+    """Check that a value is None or an instance of a type.
 
     Raises
     ------
     ArgumentError
+        If it is neither.
     """
     if not (value is None or isinstance(value, kind)):
         raise ArgumentError(f"{argument}={value!r} must be a kickdrift.{kind.__name__}, or None.")
@@ -107,8 +111,8 @@ class Motor:
 class Drive:
     """A spring and damper that pulls towards a position: passive, or as the controller of an actuator.
 
-    Give either stiffness and damping, or frequency and damping ratio: those of the two bodies alone, with the joint's locked
-    axes held, in the pose in which the joint is created.
+    Give either stiffness and damping, or frequency and damping ratio. The latter refer to the effective mass of the two bodies
+    alone, with the joint's locked axes held, in the pose in which the joint is created.
 
     Parameters
     ----------
@@ -177,7 +181,7 @@ class Drive:
             )
 
     def coefficients(self, mass: float) -> tuple[float, float]:
-        """Return stiffness and damping, where the drive moves a mass or moment of inertia."""
+        """Return stiffness and damping for an effective mass, kg, or moment of inertia, kg m^2."""
         if self.hertz is None:
             return self.stiffness, self.damping
         rate = 2.0 * math.pi * self.hertz
@@ -241,7 +245,7 @@ class Axis:
             raise ArgumentError("locked=True leaves no motion to limit, drive or brake; leave the axis open.")
 
     def reversed(self) -> "Axis":
-        """Return the same as seen from the other side, where positions, speeds and efforts have the other sign."""
+        """Return the same laws with the opposite sign of positions, speeds and efforts."""
         return Axis(
             self.locked,
             None if self.limits is None else (-self.limits[1], -self.limits[0]),
@@ -252,7 +256,7 @@ class Axis:
 
     @property
     def has_law(self) -> bool:
-        """Whether anything happens along the axis."""
+        """Whether there are limits, a motor, a drive or friction."""
         return bool(self.limits or self.motor or self.drive or self.friction > 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Laws of axes as rows of numbers."""
+"""Laws of axes as rows of `JOINT_AXES`: writing, reading and checking them."""
 
 import math
 from typing import Any, Literal
@@ -43,7 +43,7 @@ def clear_laws(tables: Tables, joint: int) -> None:
 
 
 def write_law(tables: Tables, joint: int, k: int, part: LawPart, what: Any) -> None:
-    """Write one part of what happens along an axis of a joint, which is measured: as in an `Axis`, seen from its body a."""
+    """Write one part of the law of axis k of a measured joint, with the sign of body b relative to a."""
     row, law = tables.row(JOINT, joint), tables.row(JOINT_AXES, 6 * joint + k)
     numbers: list[float] = law.tolist()
     if part == "motor":
@@ -53,7 +53,9 @@ def write_law(tables: Tables, joint: int, k: int, part: LawPart, what: Any) -> N
     elif part == "friction":
         numbers[JOINT_FRICTION] = what
     else:
-        mass = numbers[DRIVEN_MASS]  # of the drive that there was: another target makes no drive stiffer
+        mass = numbers[
+            DRIVEN_MASS
+        ]  # of the previous drive, so that a change of the target does not change the stiffness
         stiffness, damping, target, speed, maximum = 0.0, 0.0, 0.0, 0.0, 0.0
         if what is None:
             mass = 0.0
@@ -69,11 +71,11 @@ def write_law(tables: Tables, joint: int, k: int, part: LawPart, what: Any) -> N
     laws = before | 1 << k if does else before & ~(1 << k)
     if k >= 3 and does and angular == LOOSE:
         angular = VECTOR
-    law[:], row[LAWS], row[ANGULAR] = numbers, laws, angular  # at once, which Ctrl-C does not divide
+    law[:], row[LAWS], row[ANGULAR] = numbers, laws, angular  # in one statement, which Ctrl-C does not interrupt
 
 
 def read_law(tables: Tables, joint: int, k: int, part: LawPart) -> Any:
-    """Return one part of what happens along an axis of a joint: as in an `Axis`, seen from its body a."""
+    """Return one part of the law of axis k of a joint, with the sign of body b relative to a."""
     numbers: list[float] = tables.row(JOINT_AXES, 6 * joint + k).tolist()
     if part == "motor":
         return Motor(numbers[MOTOR_SPEED], numbers[MOTOR_MAXIMUM]) if numbers[MOTOR_MAXIMUM] > 0.0 else None
@@ -91,11 +93,12 @@ def read_law(tables: Tables, joint: int, k: int, part: LawPart) -> Any:
 
 
 def check_changeable(tables: Tables, joint: int, k: int, part: LawPart) -> None:
-    """Refuse to change the law of an axis that has none of its own.
+    """Check that a part of the law of axis k can be changed.
 
     Raises
     ------
     ArgumentError
+        If the axis is locked, or has no law of its own.
     """
     row = tables.row(JOINT, joint)
     if row.item(LOCKED) >> k & 1:

@@ -14,7 +14,7 @@ from kickdrift.world.joints.record import Placement, Record, direction, frame_al
 
 @dataclass(frozen=True)
 class Ball(Record):
-    """A point of one body is a point of the other.
+    """Two bodies share a point, about which they rotate freely.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The mean force of joints in a step, and those that it breaks."""
+"""The mean forces of joints in a step, and joints that break under them."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length

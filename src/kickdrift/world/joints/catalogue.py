@@ -1,4 +1,4 @@
-"""The kinds of joints. A new one is a record in its file and a line here; one in `adding` makes a method of its own."""
+"""The kinds of joints. A new one is a record in its file and a line here; a line in `adding` gives it a method."""
 
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance

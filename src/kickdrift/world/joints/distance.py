@@ -1,4 +1,4 @@
-"""The distance joint: two points keep their distance."""
+"""The distance joint."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from kickdrift.world.joints.record import Placement, Record
 
 @dataclass(frozen=True)
 class Distance(Record):
-    """A rod without mass between a point of one body and a point of the other.
+    """A massless rod between a point of one body and a point of the other.
 
     Parameters
     ----------

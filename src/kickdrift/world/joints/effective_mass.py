@@ -1,4 +1,4 @@
-"""The mass that a joint's axis moves."""
+"""The effective mass along an axis of a joint."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,9 @@ Floats = NDArray[np.float64]
 
 
 def effective_mass(tables: Tables, joint: int, axis: int) -> float:
-    """Return the mass, or moment of inertia, of both bodies of a measured joint along an open axis, with locked axes held.
+    """Return the effective mass, kg or kg m^2, of a measured joint along an open axis, with its locked axes held.
 
-    Zero where neither of them can move along it.
+    Zero if neither body can move along it.
     """
     row, numbers = tables.array(JOINT)[joint], tables.array(JOINT_NUMBERS)[joint]
     bodies = tables.array(BODY)

@@ -1,4 +1,4 @@
-"""Bounds of the energy that joints bring into an island in a substep: by motors and drives, and from bodies moved by hand."""
+"""Bounds of the energy that joints add to an island in a substep, by motors and drives, and from kinematic bodies."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, plus, times
@@ -21,19 +21,19 @@ from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTIO
 
 @compiled(cached=False)
 def external_work(joint: int, world: int) -> float:
-    """Bound the work of a joint in the substep that is not taken from what it joins, J."""
+    """Bound the energy that a joint adds to its dynamic bodies in the substep, J."""
     joints, bodies = integers(world, JOINT), integers(world, BODY)
     work = _work_of_laws(joint, world) if joints[joint, LAWS] != 0 else 0.0
     for side in range(2):
         body = joints[joint, BODY_A + side]
         if bodies[body, BODY_KIND] == KINEMATIC:
-            work += _work_by_hand(joint, body, ARM_A if side == 0 else ARM_B, world)
+            work += _work_of_kinematic(joint, body, ARM_A if side == 0 else ARM_B, world)
     return work
 
 
 @compiled(cached=False)
 def _work_of_laws(joint: int, world: int) -> float:
-    """Bound the work of motors, drives and limits: impulse times mean speed, where that gives energy."""
+    """Bound the work of motors, drives and limits: impulse times the speeds before and after, where positive, J."""
     axes, numbers, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     v, w = relative_velocity(joint, world)
     most = 0.0
@@ -48,8 +48,8 @@ def _work_of_laws(joint: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def _work_by_hand(joint: int, body: int, arm: int, world: int) -> float:
-    """Work that a joint does on a kinematic body: its impulse times the velocity of the point that it acts on."""
+def _work_of_kinematic(joint: int, body: int, arm: int, world: int) -> float:
+    """Bound the work of a kinematic body on a joint: its impulse times the velocity of the point where it acts, J."""
     numbers, motion = floats(world, JOINT_NUMBERS), floats(world, MOTION)
     v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
     v = plus(v, cross(w, vector_at(numbers, joint, arm)))

@@ -13,7 +13,7 @@ from kickdrift.world.joints.record import Placement, Record, point
 
 @dataclass(frozen=True)
 class Fixed(Record):
-    """Two bodies move as one.
+    """Two bodies are rigidly connected.
 
     Parameters
     ----------

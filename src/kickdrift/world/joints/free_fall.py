@@ -1,7 +1,7 @@
-"""Articulations in free fall: on which nothing acts but the same gravity on all links, and their joints.
+"""Articulations in free fall: on their links nothing acts but gravity, which is the same for all, and their joints.
 
-Their links drift as free bodies do, with the mean of the velocities before and after the kick; that is what all of them have in
-common, so no joint notices.
+Their links drift as free bodies do, with the mean of the velocities before and after the kick; this correction is the same for
+all links, so joints are not affected.
 """
 
 from typing import Any
@@ -11,7 +11,7 @@ from kickdrift.world.joints.layout import END, FIRST, LINK_BODY, LINK_JOINT, LIN
 from kickdrift.world.layout import ADDED, FALLS, MASS
 from kickdrift.world.tables import ARTICULATION, INERTIA, KICKED, LINK, MOTION, floats, integers, rows
 
-# Of what the kick added, and of the momenta, which joints leave as they are but for that.
+# Rounding errors, relative to the velocity that the kick adds, and to momenta, which joints conserve up to rounding.
 _SAME, _ROUNDING = 1e-9, 1e-13
 
 
@@ -28,7 +28,7 @@ def let_fall(world: int) -> None:
 
 @compiled(cached=False)
 def _is_falling(row: int, world: int) -> bool:
-    """Whether the momentum of an articulation is what the kick has made of it, and the kick the same for all links."""
+    """Whether the momentum of an articulation has not changed since the kick, and the kick was the same for all links."""
     articulation: Any = integers(world, ARTICULATION)[row]
     links, motion, kicked = integers(world, LINK), floats(world, MOTION), floats(world, KICKED)
     first, inertia = links[articulation[FIRST], LINK_BODY], floats(world, INERTIA)

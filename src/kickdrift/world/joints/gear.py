@@ -79,7 +79,7 @@ class Gear(Record):
     axis_b: int | None = None
 
     def bodies(self) -> tuple[int, int]:
-        """Return the rows of a body of each joint, different ones: forces move the second, and the first if they can."""
+        """Return the rows of two different bodies, one of each joint: the second is dynamic, and the first if possible."""
         tables = self.joint_a.joints.tables
         first, second = (tables.row(JOINT, joint.index) for joint in (self.joint_a, self.joint_b))
         moves = tables.array(BODY)[:, BODY_KIND] == DYNAMIC
@@ -119,6 +119,7 @@ def _axis(name: str, joint: Joint, axis: int | None) -> int:
     Raises
     ------
     ArgumentError
+        If it is ambiguous, locked, or has no position that can be coupled.
     """
     row = joint.joints.tables.row(JOINT, joint.joints.row(joint))
     if axis is None and row.item(PRINCIPAL) < 0:

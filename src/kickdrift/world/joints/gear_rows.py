@@ -1,7 +1,7 @@
-"""Gears as rows of the equations: what a gear does to the bodies of the two joints that it couples.
+"""Gears as rows of the equations: their wrenches on the bodies of the two joints that they couple.
 
-A gear holds rate x position of one axis + rate x position of another one. Its wrench is that of both axes times their rates,
-on up to four bodies; the one of a joint that is b to its a comes second.
+A gear holds the sum of rate x position over two axes. Its wrench is the sum of those of both axes times their rates, on up to
+four bodies: a and b of the first joint, then a and b of the second.
 """
 
 import math
@@ -54,12 +54,12 @@ def geared_body(joint: int, i: int, world: int) -> int:
 
 @compiled(cached=False)
 def put_wrenches(joint: int, h: float, table: Any, row: int, column: int, world: int) -> float:
-    """Write the four wrenches of a gear as they will be after a time with the velocities as they are.
+    """Write the four wrenches of a gear as they will be after a time h at the present velocities.
 
     Returns
     -------
     float
-        How far the gear will be off then.
+        The error of the gear then, m or rad of its first axis.
     """
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     off: float = -numbers[joint, LENGTH]
@@ -79,7 +79,7 @@ def put_wrenches(joint: int, h: float, table: Any, row: int, column: int, world:
 
 @compiled(cached=False)
 def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector, Vector, Vector]:
-    """Position along or about an axis of a hinge or slider after a time, the axis, and the arms of a and b."""
+    """Return the position along or about an axis of a joint after a time h, the axis, and the arms of a and b."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
@@ -99,7 +99,7 @@ def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector
 
 @compiled(cached=False)
 def speed_of_gear(joint: int, link: int, world: int) -> float:
-    """Rate of what a gear holds, by the wrenches in a row of `LINK_NUMBERS`."""
+    """Return the rate of the sum that a gear holds, from the wrenches in a row of `LINK_NUMBERS`."""
     work, motion, total = floats(world, LINK_NUMBERS), floats(world, MOTION), 0.0
     for i in range(4):
         body = geared_body(joint, i, world)
@@ -110,7 +110,7 @@ def speed_of_gear(joint: int, link: int, world: int) -> float:
 
 @compiled(cached=False)
 def mobility_of_gear(joint: int, link: int, world: int) -> float:
-    """Speed per impulse of a gear, of its bodies alone, by the wrenches in a row of `LINK_NUMBERS`."""
+    """Return the speed of a gear per impulse, for its bodies alone, from the wrenches in a row of `LINK_NUMBERS`."""
     work, response, total = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS), 0.0
     for i in range(4):
         body = geared_body(joint, i, world)

@@ -44,12 +44,12 @@ class Joint(Handle):
     access raises `ArgumentError` once the joint is removed.
     """
 
-    __slots__ = ("_joints", "_seen")
+    __slots__ = ("_joints", "_views")
 
     def __init__(self, index: int, generation: int, joints: Joints) -> None:
         self._index, self._generation, self._joints = index, generation, joints
         self._last_name = joints.names.of(index)
-        self._seen: JointViews | None = None
+        self._views: JointViews | None = None
 
     @property
     def joints(self) -> Joints:
@@ -68,20 +68,20 @@ class Joint(Handle):
     @property
     def angles(self) -> Floats:
         """Angles about the three axes, rad; those of hinges and universal joints count turns."""
-        seen = self._look()
-        return 0.0 + seen.numbers[JOINT_POSITION + 3 : JOINT_POSITION + 6] * seen.signs[3:]
+        views = self._current_views()
+        return 0.0 + views.numbers[JOINT_POSITION + 3 : JOINT_POSITION + 6] * views.signs[3:]
 
     @property
     def positions(self) -> Floats:
         """Positions along the three axes, m."""
-        seen = self._look()
-        return 0.0 + seen.numbers[JOINT_POSITION : JOINT_POSITION + 3] * seen.signs[:3]
+        views = self._current_views()
+        return 0.0 + views.numbers[JOINT_POSITION : JOINT_POSITION + 3] * views.signs[:3]
 
     @property
     def angle(self) -> float:
         """Angle about the axis of a hinge, rad, with full turns counted; setting it moves what is attached, see `place`."""
-        seen, k = self._look(), self._axis("angle")
-        angle: float = 0.0 + seen.signs[k] * seen.numbers.item(JOINT_POSITION + k)  # never -0.0
+        views, k = self._current_views(), self._axis("angle")
+        angle: float = 0.0 + views.signs[k] * views.numbers.item(JOINT_POSITION + k)  # never -0.0
         return angle
 
     @angle.setter
@@ -94,8 +94,8 @@ class Joint(Handle):
 
         Setting it moves what is attached, see `place`.
         """
-        seen, k = self._look(), self._axis("position")
-        position: float = 0.0 + seen.signs[k] * seen.numbers.item(JOINT_POSITION + k)
+        views, k = self._current_views(), self._axis("position")
+        position: float = 0.0 + views.signs[k] * views.numbers.item(JOINT_POSITION + k)
         return position
 
     @position.setter
@@ -105,11 +105,11 @@ class Joint(Handle):
     @property
     def speed(self) -> float:
         """Rate of `angle` or `position`, rad/s or m/s; setting it applies to what is attached, see `place`."""
-        seen = self._look()
-        k = seen.principal if seen.principal >= 0 else self.axis()
-        x, y, z = seen.axes[k].tolist()
+        views = self._current_views()
+        k = views.principal if views.principal >= 0 else self.axis()
+        x, y, z = views.axes[k].tolist()
         rate = 0.0
-        for arm, motion, *_ in seen.ends:
+        for arm, motion, *_ in views.ends:
             rate = -rate
             if motion is None:
                 continue
@@ -119,7 +119,7 @@ class Joint(Handle):
             else:
                 a, b, c = arm.tolist()
                 rate += x * (u + q * c - r * b) + y * (v + r * a - p * c) + z * (w + p * b - q * a)
-        return 0.0 + seen.signs[k] * rate  # never -0.0
+        return 0.0 + views.signs[k] * rate  # never -0.0
 
     @speed.setter
     def speed(self, speed: float) -> None:
@@ -128,22 +128,22 @@ class Joint(Handle):
     @property
     def force(self) -> Floats:
         """Mean force at the joint during the last step on the body that is measured, (3,) in the world's axes, N."""
-        seen = self._look()
-        numbers = seen.numbers
-        return np.asarray(seen.side * (numbers[TOTAL : TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3)))
+        views = self._current_views()
+        numbers = views.numbers
+        return np.asarray(views.side * (numbers[TOTAL : TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3)))
 
     @property
     def torque(self) -> Floats:
-        """Mean torque on that body during the last step, about the point where the joint acts, (3,) as `force`, N m."""
-        seen = self._look()
-        numbers = seen.numbers
-        return np.asarray(seen.side * (numbers[TOTAL + 3 : TOTAL + 6] @ numbers[AXES + 9 : AXES + 18].reshape(3, 3)))
+        """Mean torque on the same body during the last step, about the point where the joint acts, (3,) as `force`, N m."""
+        views = self._current_views()
+        numbers = views.numbers
+        return np.asarray(views.side * (numbers[TOTAL + 3 : TOTAL + 6] @ numbers[AXES + 9 : AXES + 18].reshape(3, 3)))
 
     @property
     def effort(self) -> float:
         """Torque or force along the open axis in the last step, from motor, drive, friction and limits; N m or N."""
-        seen, k = self._look(), self.axis()
-        effort: float = 0.0 + seen.signs[k] * seen.numbers.item(TOTAL + k)
+        views, k = self._current_views(), self.axis()
+        effort: float = 0.0 + views.signs[k] * views.numbers.item(TOTAL + k)
         return effort
 
     def apply_effort(self, effort: float, axis: int | None = None) -> None:
@@ -165,13 +165,13 @@ class Joint(Handle):
             For an effort that is not finite, and for an axis that is locked.
         """
         finite("effort", effort)
-        seen = self._look()
-        k = seen.principal if axis is None and seen.principal >= 0 else self.axis(axis)
-        if seen.locked >> k & 1:
+        views = self._current_views()
+        k = views.principal if axis is None and views.principal >= 0 else self.axis(axis)
+        if views.locked >> k & 1:
             raise ArgumentError(f"axis={k} is locked, so an effort along it moves nothing; give an open one.")
-        x, y, z = seen.axes[k].tolist()
-        size = seen.signs[k] * effort  # on a the opposite, and the opposite of that on b
-        for arm, _, load, *_ in seen.ends:
+        x, y, z = views.axes[k].tolist()
+        size = views.signs[k] * effort  # on a the opposite, and the opposite of that on b
+        for arm, _, load, *_ in views.ends:
             size = -size
             if load is None:
                 continue
@@ -246,14 +246,14 @@ class Joint(Handle):
         place(self, self.axis(axis), "value", value)
 
     def axis(self, axis: int | None = None) -> int:
-        """Return the axis that is meant.
+        """Return the index of an axis, by default that of the one open axis.
 
         Raises
         ------
         ArgumentError
-            If none is named and the joint has several, or none; and for one that no joint has.
+            If none is named and the joint has several open axes, or none; and for an invalid index.
         """
-        principal = self._look().principal
+        principal = self._current_views().principal
         if axis is None:
             if principal < 0:
                 raise ArgumentError(
@@ -266,26 +266,26 @@ class Joint(Handle):
         return axis
 
     def sign(self, k: int) -> float:
-        """Return -1.0 where the tables have the other sign along an axis: they always hold b against a."""
-        return self._look().signs[k]
+        """Return -1.0 if the tables, which hold b relative to a, have the opposite sign along axis k, else 1.0."""
+        return self._current_views().signs[k]
 
     def wake(self) -> None:
-        """Wake its bodies, as `wake_bodies` does, by the views at hand: control loops call it in every step."""
-        for end in self._look().ends:
+        """Wake its bodies, as `wake_bodies` does, but by the views kept here, for control loops that call it in every step."""
+        for end in self._current_views().ends:
             if end.load is not None:
                 end.body[AWAKE], end.rested[TIME] = 1, 0.0
 
     def _axis(self, what: str) -> int:
-        """Return the open axis, if it has an angle, or a position."""
+        """Return the one open axis; ArgumentError unless it has an angle or a position, as asked."""
         k = self.axis()
         if (k < 3) == (what == "angle"):
             does, has = ("slides", "position") if k < 3 else ("turns", "angle")
             raise ArgumentError(f"joint={self!r} {does} and has no {what} of its own; use its {has}.")
         return k
 
-    def _look(self) -> JointViews:
-        """Return where the joint lies; it is looked up again only after something has gone or was moved."""
-        seen, tables = self._seen, self._joints.tables
-        if seen is None or seen.version != tables.version:
-            seen = self._seen = look_up(tables, self._joints.row(self))
-        return seen
+    def _current_views(self) -> JointViews:
+        """Return views of the rows; they are made again only after rows have been removed or tables have moved in memory."""
+        views, tables = self._views, self._joints.tables
+        if views is None or views.version != tables.version:
+            views = self._views = look_up(tables, self._joints.row(self))
+        return views

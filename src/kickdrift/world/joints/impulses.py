@@ -1,4 +1,4 @@
-"""What joints read from velocities, and do to them."""
+"""Impulses of joints on their bodies, and warm starting."""
 
 from typing import Any
 
@@ -42,7 +42,7 @@ from kickdrift.world.tables import (
 
 @compiled
 def warm_start_joints(t: float, h: float, world: int) -> None:
-    """Give the impulses of the substep before, so that contacts see bodies that are held already."""
+    """Apply the impulses of the previous substep, so that contacts act on bodies that their joints already hold."""
     articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, FIRST], articulations[row, END]):
@@ -52,7 +52,7 @@ def warm_start_joints(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def note_speeds(joint: int, world: int) -> None:
-    """Keep the speeds along axes that have laws, as they are before the next kick."""
+    """Store the speeds along axes that have laws, before the next kick."""
     axes, numbers, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     if axes == 0:
         return

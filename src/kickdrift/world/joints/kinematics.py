@@ -1,4 +1,4 @@
-"""Where a joint stands: its axes, its arms, positions and angles, and how far locked axes will be off."""
+"""Kinematics of joints: axes, arms, positions and angles, and the mobility along axes."""
 
 import math
 from typing import Any
@@ -72,7 +72,7 @@ from kickdrift.world.tables import (
 )
 
 _ROUNDING = 1e-12
-_LEAST_SCALE = 0.05  # a swing of 174 degrees; at 180 degrees there is no twist
+_LEAST_SCALE = 0.05  # at a swing of 174 degrees; at 180 degrees twist is undefined
 
 
 @compiled(inline=True, cached=False)
@@ -83,7 +83,7 @@ def put_vector(table: Any, row: int, column: int, a: Vector) -> None:
 
 @compiled(inline=True, cached=False)
 def relative_velocity(joint: int, world: int) -> tuple[Vector, Vector]:
-    """Velocity of b less that of a where the joint acts, and the difference of their angular velocities."""
+    """Return the velocity of b relative to a where the joint acts, m/s, and the relative angular velocity, rad/s."""
     joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
     wa, wb = vector_at(motion, a, ANGULAR_PART), vector_at(motion, b, ANGULAR_PART)
@@ -100,20 +100,20 @@ def axis_unit(k: int) -> Vector:
 
 @compiled(inline=True, cached=False)
 def normalised(a: Vector, otherwise: Vector) -> Vector:
-    """Divide a vector by its length, if it has one."""
+    """Return the unit vector of a, or `otherwise` if a is zero."""
     size = length(a)
     return times(1.0 / size, a) if size > 1e-150 else otherwise
 
 
 @compiled(inline=True, cached=False)
 def unwound(angle: float, before: float) -> float:
-    """Return the angle, known but for full turns, that is nearest to what it was before."""
+    """Return an angle, rad, with the number of full turns for which it is closest to `before`."""
     return angle + 2.0 * math.pi * math.floor((before - angle) / (2.0 * math.pi) + 0.5)
 
 
 @compiled(inline=True, cached=False)
 def expected_angle(joint: int, k: int, h: float, world: int) -> float:
-    """Angle about an axis a time after it was measured, by the present angular velocities."""
+    """Predict the angle about an axis a time h after it was measured, from the present angular velocities, rad."""
     joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
     wa = vector_at(motion, joints[joint, BODY_A], ANGULAR_PART)
     wb = vector_at(motion, joints[joint, BODY_B], ANGULAR_PART)
@@ -123,7 +123,7 @@ def expected_angle(joint: int, k: int, h: float, world: int) -> float:
 
 @compiled
 def measure_joints(t: float, h: float, world: int) -> None:
-    """Measure joints where they stand, before the substeps."""
+    """Measure joints in the present poses, before the substeps."""
     _measure_all(0.0, world)
 
 
@@ -135,6 +135,7 @@ def follow_joints(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _measure_all(h: float, world: int) -> None:
+    """Measure all joints of articulations that are awake."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, FIRST], articulations[row, END]):
@@ -144,17 +145,17 @@ def _measure_all(h: float, world: int) -> None:
 
 @compiled(cached=False)
 def measure(joint: int, h: float, world: int) -> None:
-    """Fill in axes, arms, positions and angles of a joint as its bodies stand, h after they were measured before.
+    """Compute axes, arms, positions and angles of a joint from the poses of its bodies, a time h after the last measurement.
 
-    Turns are counted by the speed in that time: wheels at 1000 rad/s turn by more than half a turn in a substep.
+    Full turns are counted with the speed in this time, as wheels at 1000 rad/s turn by more than half a turn in a substep.
     """
     pose, joints, numbers = floats(world, POSE), integers(world, JOINT), floats(world, JOINT_NUMBERS)
     if joints[joint, LINEAR] == GEARED:
-        return  # once its joints are: as the right-hand side is written
+        return  # it is measured after its joints, when its right-hand side is written
     a, b = joints[joint, BODY_A], joints[joint, BODY_B]
     qa, qb = quaternion_at(pose, a, ANGULAR_PART), quaternion_at(pose, b, ANGULAR_PART)
     arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
-    # The joint acts where the anchor of b is: of axes fixed in a, that is the exact direction of the constraint.
+    # The joint acts at the anchor of b: for axes fixed in a, this gives the exact gradient of the constraint.
     arm_a = minus(plus(vector_at(pose, b, LINEAR_PART), arm_b), vector_at(pose, a, LINEAR_PART))
     way = minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
     put_vector(numbers, joint, ARM_A, arm_a)
@@ -206,7 +207,7 @@ def put_line(table: Any, row: int, column: int, way: Vector, fa: Quaternion, res
 
 @compiled(cached=False)
 def put_cross(table: Any, row: int, column: int, i: int, fa: Quaternion, second_in_a: Vector) -> None:
-    """Write the angular axes of a universal joint: axis i of a, the one of b at right angles to it, and the normal to both."""
+    """Write the angular axes of a universal joint: axis i of a, that of b made perpendicular to it, and the normal to both."""
     j, k = (i + 1) % 3, (i + 2) % 3
     first = turned(fa, axis_unit(i))
     third = normalised(cross(first, turned(fa, second_in_a)), turned(fa, axis_unit(k)))
@@ -217,7 +218,7 @@ def put_cross(table: Any, row: int, column: int, i: int, fa: Quaternion, second_
 
 @compiled(cached=False)
 def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion, h: float, world: int) -> None:
-    """Axis i is fixed in a and axis j in b: b is turned by the angle about j, then by that about i."""
+    """Measure a universal joint: axis i is fixed in a and j in b, and b is rotated about j first, then about i."""
     numbers = floats(world, JOINT_NUMBERS)
     j, k = (i + 1) % 3, (i + 2) % 3
     second_in_a = turned(relative, axis_unit(j))
@@ -235,10 +236,10 @@ def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion,
 
 @compiled(cached=False)
 def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) -> None:
-    """Swing and twist: b is twisted about axis 2, which is then swung away from that of a.
+    """Measure swing and twist: b is twisted about axis 2, which is then swung away from that of a.
 
-    The rate of the swing is the angular velocity about the normal to both axes 2, that of the twist the one about their
-    mean, over the cosine of half the swing.
+    The rate of the swing is the angular velocity about the normal to axes 2 of a and b; that of the twist is the angular
+    velocity about their mean, over the cosine of half the swing.
     """
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     axis = turned(relative, axis_unit(2))
@@ -265,14 +266,14 @@ def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) 
 
 @compiled(inline=True, cached=False)
 def turning(inverse: Symmetric, turn: Vector) -> float:
-    """Angular velocity along an angular impulse per impulse; none about an axis that is locked but for rounding."""
+    """Return turn . I^-1 turn, or zero if it is only rounding, about a locked axis."""
     speed: float = dot(turn, applied(inverse, turn))
     return speed if speed > _ROUNDING * (inverse[0] + inverse[1] + inverse[2]) * dot(turn, turn) else 0.0
 
 
 @compiled(cached=False)
 def mobility(joint: int, k: int, world: int) -> float:
-    """Speed along an axis per impulse along it, of the two bodies alone."""
+    """Return the speed along an axis per unit impulse along it, for the two bodies alone."""
     joints, numbers, response = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, INVERSE_MASS)
     axis, total = vector_at(numbers, joint, AXES + 3 * k), 0.0
     for side in range(2):

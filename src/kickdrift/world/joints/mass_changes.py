@@ -1,4 +1,4 @@
-"""What joints keep of the masses that they hold, where one of these is changed."""
+"""Updating joints when the mass of one of their bodies is changed."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, Tables
 
 
 def follow_mass(tables: Tables, body: int, lighter: float) -> None:
-    """Scale the impulses with which the joints of a body begin a step, and measure the masses again that their drives move."""
+    """Scale the warm starting impulses of the joints of a body, and recompute the effective masses of their drives."""
     joints, laws = tables.array(JOINT), tables.array(JOINT_AXES)
     held = (joints[:, JOINT_KIND] != REMOVED) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
     for row in np.flatnonzero(held).tolist():

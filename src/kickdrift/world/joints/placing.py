@@ -1,7 +1,7 @@
-"""Setting joints to angles and positions: the attached side of a joint is moved as one rigid body.
+"""Setting joints to angles and positions: one side of a joint is moved as a rigid body.
 
-Seen from the reference, the body at the joint that stays, all points and velocities of the other side are turned or shifted
-alike, so that the rates of all joints stay what they were, that of the one placed too.
+In the frame of the reference, the body at the joint that is not moved, all points and velocities of the other side are rotated
+or shifted alike, so that the rates of all joints are unchanged, including that of the joint itself.
 """
 
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -50,7 +50,7 @@ Floats = NDArray[np.float64]
 
 
 class Side(NamedTuple):
-    """The bodies that a joint moves against a reference: their rows, its row, and 1.0 if they are the side of b, or -1.0."""
+    """The side of a joint that is moved: rows of its bodies, row of the reference, and 1.0 for the side of b, -1.0 for a."""
 
     moved: NDArray[np.intp]
     reference: int
@@ -59,14 +59,14 @@ class Side(NamedTuple):
 
 @compiled
 def measure_again(joints: Any, world: int) -> None:
-    """Measure some joints where they stand."""
+    """Measure some joints in their present poses."""
     for k in range(len(joints)):
         measure(joints[k], 0.0, world)
 
 
 @compiled
 def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
-    """Shift bodies, which turn about a reference that turns as fast as before."""
+    """Shift bodies, with their velocities relative to the rotating reference unchanged."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     added = cross(vector_at(motion, reference, ANGULAR_PART), way)
     for body in moved:
@@ -77,7 +77,7 @@ def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) ->
 
 @compiled
 def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
-    """Turn bodies about a point, with their velocities as the reference sees them."""
+    """Rotate bodies about a point, together with their velocities relative to the rotating reference."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     q, x, base = exponential(way), vector_at(pose, reference, POSITION), vector_at(motion, reference, VELOCITY)
     spin = vector_at(motion, reference, ANGULAR_PART)
@@ -95,9 +95,9 @@ def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> 
 
 
 def signs(tables: Tables, row: int) -> Floats:
-    """Signs of the six axes of a joint, (6,): the tables hold b against a, users see what forces move against the rest.
+    """Return the signs of a joint's axes for users, (6,): -1.0 if only body a is dynamic, as tables hold b relative to a.
 
-    Distances and swings are the same from both sides.
+    Distances and swings have the same sign from both sides.
     """
     joint, found = tables.row(JOINT, row), np.ones(6)
     if tables.row(BODY, joint.item(BODY_B)).item(BODY_KIND) != DYNAMIC:
@@ -107,7 +107,7 @@ def signs(tables: Tables, row: int) -> Floats:
 
 
 def place(joint: "Joint", k: int, what: str, value: float) -> None:
-    """Move a joint to a position along axis k, or an angle about it, see `Joint.place`."""
+    """Move a joint to a position along axis k, or an angle about it; see `Joint.place`."""
     row, sign, side = _ready(joint, k, what, value)
     tables = joint.joints.tables
     _check_limits(tables, row, k, sign, what, value)
@@ -115,7 +115,7 @@ def place(joint: "Joint", k: int, what: str, value: float) -> None:
 
 
 def set_speed(joint: "Joint", k: int, speed: float) -> None:
-    """Set the rate of axis k of a joint, see `Joint.speed`."""
+    """Set the rate of axis k of a joint; see `Joint.speed`."""
     row, sign, side = _ready(joint, k, "speed", speed)
     tables = joint.joints.tables
     axis, pivot = _axis(tables, row, k)
@@ -128,7 +128,7 @@ def set_speed(joint: "Joint", k: int, speed: float) -> None:
 
 
 def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float, Side]:
-    """Return the row of a joint, the sign of its axis and the side that moves, once it is measured where it stands."""
+    """Check that axis k can be set, measure the joint, and return its row, the sign of the axis and the side that moves."""
     finite(what, value)
     row, tables = joint.joints.row(joint), joint.joints.tables
     _check_placeable(tables, row, k)
@@ -138,7 +138,7 @@ def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float,
 
 
 def _check_placeable(tables: Tables, row: int, k: int) -> None:
-    """Refuse axes that are locked, and those that have no angle or position of their own; ArgumentError."""
+    """Check that axis k is open and has an angle or position of its own; ArgumentError if not."""
     joint = tables.array(JOINT)[row]
     if joint[LOCKED] >> k & 1:
         raise ArgumentError(f"axis={k} is locked, so the joint cannot be moved along it; move one of its bodies.")
@@ -152,7 +152,7 @@ def _check_placeable(tables: Tables, row: int, k: int) -> None:
 
 
 def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
-    """Turn or shift a side of a measured joint so that its position along axis k, of b against a, is the target."""
+    """Rotate or shift a side of a measured joint so that its position along axis k, of b relative to a, is the target."""
     numbers = tables.row(JOINT_NUMBERS, row)
     if k == 2 and tables.row(JOINT, row).item(LINEAR) == LINE and target < -numbers[LENGTH]:
         raise ArgumentError(
@@ -160,7 +160,7 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
         )
     axis, pivot = _axis(tables, row, k)
     way = side.sign * (target - numbers.item(JOINT_POSITION + k)) * axis
-    numbers[JOINT_POSITION + k] = target  # which full turn it is
+    numbers[JOINT_POSITION + k] = target  # determines the number of full turns
     joints = tables.array(JOINT)
     moves = np.zeros(tables.count(BODY), dtype=np.bool_)
     moves[side.moved] = True
@@ -171,12 +171,12 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
 
 
 def _side_of(tables: Tables, row: int, words: str) -> Side:
-    """Find the side of a joint that moves alone: that of the body whose motion is measured, or else the other one.
+    """Return the side of a joint that can be moved: that of the body whose motion is measured, or else the other one.
 
     Raises
     ------
     ArgumentError
-        Where joints lead from one body to the other besides this one, or from both to what forces do not move.
+        If the joint is part of a loop, or joints connect both sides to bodies that are not dynamic.
     """
     a, b = (int(body) for body in tables.array(JOINT)[row, [BODY_A, BODY_B]])
     moves = tables.array(BODY)[:, BODY_KIND] == DYNAMIC
@@ -198,7 +198,7 @@ def _side_of(tables: Tables, row: int, words: str) -> Side:
 
 
 def _check_limits(tables: Tables, row: int, k: int, sign: float, what: str, value: float) -> None:
-    """Refuse a value, of the sign that users see, which is beyond the limits of an axis; ArgumentError."""
+    """Check that a value, with the sign for users, is within the limits of an axis; ArgumentError if not."""
     ends = sign * tables.array(JOINT_AXES)[6 * row + k, [LOWER_LIMIT, UPPER_LIMIT]]
     lower, upper = ends.min(), ends.max()
     if not lower <= value <= upper:
@@ -213,13 +213,13 @@ def _axis(tables: Tables, row: int, k: int) -> tuple[Floats, Floats]:
     pose = tables.row(POSE, joint.item(BODY_B))
     pivot: Floats = pose[:3] + numbers[ARM_B : ARM_B + 3]
     if k >= 3 and joint.item(ANGULAR) == UNIVERSAL and k - 3 != joint.item(PIVOT):
-        # The second axis of a cross is one of b; that in AXES is at right angles to the first also where they are not.
+        # The second axis of a universal joint is fixed in b; that in AXES is made perpendicular to the first.
         return rotated(rotated_by(pose[3:7], numbers[FRAME_B : FRAME_B + 4]), np.eye(3)[k - 3]), pivot
     return numbers[AXES + 3 * k : AXES + 3 * k + 3].copy(), pivot
 
 
 def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
-    """Bodies that joints hold to each other, but for one joint; springs, which only pull, do not hold."""
+    """Return the bodies that each body is connected to by joints with locked axes or limits, without one joint."""
     joints = tables.array(JOINT)
     limits = tables.array(JOINT_AXES)[:, [LOWER_LIMIT, UPPER_LIMIT]].reshape(-1, 12)
     holds = (joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] == 0)
@@ -233,7 +233,7 @@ def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
 
 
 def _hanging(start: int, neighbours: dict[int, list[int]], moves: NDArray[np.bool_]) -> tuple[set[int], bool]:
-    """Return the bodies that hang together with one, and whether any is held by what forces do not move."""
+    """Return the dynamic bodies connected to one, and whether any of them is connected to a body that is not dynamic."""
     found, ahead, held = {start}, [start], False
     while ahead:
         for body in neighbours.get(ahead.pop(), ()):

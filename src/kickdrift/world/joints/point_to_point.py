@@ -1,4 +1,4 @@
-"""What acts along the line between a point of one body and a point of the other."""
+"""Joints along the line between a point of one body and a point of the other."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from kickdrift.world.joints.record import Placement, frame_along, point
 
 
 def line_placement(anchor_a: ArrayLike, anchor_b: ArrayLike, length: float | None, axis: Axis) -> Placement:
-    """Place a joint whose axis 2 is the line between two points.
+    """Return the placement of a joint whose axis 2 is the line between two points.
 
     Raises
     ------
     ArgumentError
-        For points that coincide, which have no line, and for a length that is not positive.
+        For points that coincide, and for a length that is not positive.
     """
     a, b = point("anchor_a", anchor_a), point("anchor_b", anchor_b)
     distance = float(np.linalg.norm(b - a))

@@ -1,4 +1,4 @@
-"""What happens to joints before the substeps of a step."""
+"""Preparation of joints before the substeps of a step."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.joints.impulses import note_speeds
@@ -9,7 +9,7 @@ from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LIN
 
 @compiled
 def wake_joints(t: float, h: float, world: int) -> None:
-    """Wake all bodies of an articulation if any is awake; those that sleep have no links during the step."""
+    """Wake all bodies of an articulation if any is awake; sleeping articulations have no links during the step."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     joints, bodies = integers(world, JOINT), integers(world, BODY)
     for row in range(rows(world, ARTICULATION)):
@@ -29,7 +29,7 @@ def wake_joints(t: float, h: float, world: int) -> None:
 
 @compiled
 def begin_joints(t: float, h: float, world: int) -> None:
-    """Keep the speeds before the first kick, and count impulses from here."""
+    """Store the speeds before the first kick, and reset the impulses of the step."""
     articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, FIRST], articulations[row, END]):

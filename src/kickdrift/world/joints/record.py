@@ -1,4 +1,4 @@
-"""The interface of a kind of joint: a frozen record of where its axes are and what each of them does."""
+"""The interface of a kind of joint: a frozen record that tells where its axes are, and their laws."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Axes = tuple[Axis, Axis, Axis]
 
 
 class Geared(NamedTuple):
-    """Two rows of joints, the axes of them that a gear couples, and the rates of their positions that it holds the sum of."""
+    """What a gear couples: rows of two joints, an axis of each, and the rates in the sum of rate x position that it holds."""
 
     joints: tuple[int, int]
     axes: tuple[int, int]
@@ -27,26 +27,26 @@ class Geared(NamedTuple):
 
 
 class Placement(NamedTuple):
-    """Where a joint is and what its axes do, when it is made.
+    """Anchors, axes and laws of a joint when it is created.
 
     Attributes
     ----------
     anchor_a, anchor_b : (3,) array
-        Points of the bodies that it holds together, in the world.
+        Points of the bodies that it connects, in the world, m.
     frame : (3, 3) array
         Its axes 0, 1, 2 as columns, in the world.
     linear, angular : tuple of three Axis
-        What happens along and about the axes.
+        The laws along and about the axes.
     line : bool
         Whether axis 2 always points from one anchor to the other.
     length : float
-        Where `line`: distance of the anchors that counts as position zero, m. Of a gear: the sum that it holds.
+        With `line`: distance of the anchors that counts as position zero, m. For a gear: the sum that it holds.
     cone : bool
-        Where all angular axes are open: whether angles are swing (axis 0) and twist (axis 2), or the rotation vector.
+        If all angular axes are open: whether angles are swing (axis 0) and twist (axis 2), or the rotation vector.
     principal : int
-        The axis that is meant where none is named: 0-2 linear, 3-5 angular; -1 for none.
+        The default axis: 0-2 linear, 3-5 angular; -1 for none.
     geared : Geared, optional
-        Of a gear, which has no place of its own: what it couples.
+        For a gear, which has no anchors: what it couples.
     """
 
     anchor_a: Floats
@@ -63,14 +63,14 @@ class Placement(NamedTuple):
 
 @dataclass(frozen=True)
 class Record(ABC):
-    """A kind of joint with its numbers.
+    """A kind of joint with its parameters.
 
     Parameters
     ----------
     breaking_force, breaking_torque : float
         A joint breaks if its load, averaged over a step, exceeds this: N, N m.
     name : str, optional
-        By which `World.joint` finds it; no two joints have the same.
+        For `World.joint`; unique among joints.
     """
 
     breaking_force: float = field(default=inf, kw_only=True)
@@ -88,16 +88,17 @@ class Record(ABC):
         Raises
         ------
         ArgumentError
-            For anchors and axes that are no vectors, axes of length zero and numbers of the wrong sign.
+            For anchors and axes that are not vectors, axes of length zero and numbers of the wrong sign.
         """
 
 
 def point(argument: str, value: ArrayLike) -> Floats:
-    """Return three finite numbers.
+    """Return a point as an array, (3,).
 
     Raises
     ------
     ArgumentError
+        If it is not three finite numbers.
     """
     try:
         given: Any = reals(value)
@@ -125,12 +126,12 @@ def direction(argument: str, value: ArrayLike) -> Floats:
 
 
 def frame_along(z: Floats) -> Floats:
-    """Axes whose third is given, as columns."""
+    """Return orthonormal axes as columns, (3, 3), whose third is the unit vector z."""
     x = cross(np.eye(3)[np.abs(z).argmin()], z)
     x /= np.sqrt(x @ x)
     return np.array((x, cross(z, x), z)).T
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """Outer product of two vectors: np.cross takes 40 us."""
+    """Return the cross product of two vectors; np.cross takes 40 us."""
     return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))

@@ -1,4 +1,4 @@
-"""The joints of a world: rows of tables that come and go."""
+"""The joints of a world: their rows in its tables, and the checks of their handles."""
 
 from __future__ import annotations
 
@@ -77,19 +77,19 @@ class Joints:
         self.names = Names("joint")
         self.world: ReferenceType[World] | None = None
         self.arranged = False
-        self.n_made = 0  # never goes back, not even to a snapshot: two joints would share a handle
+        self.n_made = 0  # never decreases, not even on restoring a snapshot: two joints would share a handle
 
     def __len__(self) -> int:
         return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED).sum())
 
     @undivided
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
-        """Join two bodies, given by their rows, as they stand.
+        """Join two bodies, given by their rows, in their present poses.
 
         Raises
         ------
         ArgumentError
-            For a body with itself, and for what the record refuses.
+            For a body with itself, and for invalid parameters of the record.
         """
         if body_a == body_b:
             raise ArgumentError(
@@ -129,7 +129,7 @@ class Joints:
             joint[GEARED_AXES : GEARED_AXES + 2] = placement.geared.axes
             numbers[RATES : RATES + 2] = placement.geared.rates
             numbers[[*range(ANCHOR_A, ANCHOR_A + 3), *range(ANCHOR_B, ANCHOR_B + 3)]] = 0.0
-            numbers[ARM_A : AXES + 18] = 0.0  # it acts at no place of its own
+            numbers[ARM_A : AXES + 18] = 0.0  # a gear has no anchors
         clear_laws(tables, row)
         for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
             if axis.has_law:
@@ -150,7 +150,7 @@ class Joints:
 
     @alone
     def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
-        """Exchange the limits, the motor, the drive or the friction of an axis, given as in an `Axis`, and wake the bodies.
+        """Replace the limits, the motor, the drive or the friction of an axis, given as in an `Axis`, and wake the bodies.
 
         Raises
         ------
@@ -170,17 +170,17 @@ class Joints:
 
     @undivided
     def remove(self, joint: Joint) -> None:
-        """Take a joint away.
+        """Remove a joint.
 
         Raises
         ------
         ArgumentError
-            If it is gone already.
+            If it was removed before, or has broken.
         """
         self._remove_row(self.row(joint))
 
     def remove_of_body(self, body: int) -> None:
-        """Take away all joints of the body in a row, before it is removed."""
+        """Remove all joints of a body, before it is removed."""
         joints = self.tables.array(JOINT)
         there = (joints[:, JOINT_KIND] != REMOVED) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
         for row in np.flatnonzero(there):
@@ -192,7 +192,7 @@ class Joints:
         return bool(np.isfinite(self.tables.array(JOINT_NUMBERS)[:, [BREAKING_FORCE, BREAKING_TORQUE]]).any())
 
     def take_broken(self) -> list[Joint]:
-        """Take away the joints that have broken, and return their handles, by which they are known and no more."""
+        """Remove the joints that have broken, and return their handles, which only identify them."""
         joints = self.tables.array(JOINT)
         broken = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
@@ -213,21 +213,21 @@ class Joints:
 
     @property
     def present(self) -> bool:
-        """Whether any joint holds something that moves; `arrange` first."""
+        """Whether any joint connects a movable body; call `arrange` first."""
         return len(self.tables.array(ARTICULATION)) > 0
 
     @property
     def sequential(self) -> bool:
-        """Whether any joints are solved one after the other; `arrange` first."""
+        """Whether any joints are solved one after the other; call `arrange` first."""
         return bool(self.tables.array(ARTICULATION)[:, SEQUENTIAL].any())
 
     def row(self, joint: Any) -> int:
-        """Return the row of a joint that is there.
+        """Return the row of an existing joint.
 
         Raises
         ------
         ArgumentError
-            If it is no handle, one of a joint that was removed or has broken, or one of another world.
+            If it is not a handle, or is one of a joint that was removed or has broken, or of another world.
         """
         if isinstance(joint, Joint) and joint.joints is self and self.knows(joint.index, joint.generation):
             return joint.index
@@ -240,7 +240,7 @@ class Joints:
         raise ArgumentError(f"joint={joint!r} was removed, or has broken; use an existing joint.")
 
     def knows(self, index: int, generation: int) -> bool:
-        """Whether there is a joint of a generation in a row."""
+        """Whether a row holds the joint of a generation."""
         if not 0 <= index < self.tables.count(JOINT):
             return False
         row = self.tables.row(JOINT, index)
@@ -277,7 +277,7 @@ class Joints:
 
 
 def _linear_mode(placement: Placement) -> int:
-    """Return the function that measures positions."""
+    """Return how positions are measured, a value of LINEAR."""
     if placement.geared is not None:
         return GEARED
     if placement.line:
@@ -286,7 +286,7 @@ def _linear_mode(placement: Placement) -> int:
 
 
 def _angular_mode(placement: Placement) -> tuple[int, int]:
-    """Return the function that measures angles, and the axis that comes first."""
+    """Return how angles are measured, a value of ANGULAR, and the axis that it refers to (PIVOT)."""
     is_open = [not axis.locked for axis in placement.angular]
     if sum(is_open) == 0:
         return RIGID, 0

@@ -1,4 +1,4 @@
-"""The rope: two points get no farther apart than it is long."""
+"""The rope."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from kickdrift.world.joints.record import Placement, Record
 
 @dataclass(frozen=True)
 class Rope(Record):
-    """A rope without mass between a point of one body and a point of the other: it pulls, and does not push.
+    """A massless rope between a point of one body and a point of the other: it pulls, but does not push.
 
     Parameters
     ----------
     anchor_a, anchor_b : (3,) array_like
         The points, in the world, m.
     length : float, optional
-        m; how far apart the points are now by default.
+        m; by default the current distance of the points.
 
     Raises
     ------

@@ -36,8 +36,8 @@ class SixDof(Record):
     Raises
     ------
     ArgumentError
-        For axes of length zero or not at right angles; for a swing limit, or limits about x or y, that do not go with the
-        axes that are open; for motors or differing drives beside swing and twist.
+        For axes of length zero or not perpendicular; for a swing limit, or limits about x or y, that do not fit the open axes;
+        for motors or differing drives together with swing and twist.
 
     Examples
     --------
@@ -76,6 +76,7 @@ class SixDof(Record):
         return Placement(anchor, anchor, frame, self.linear, angular, cone=cone)
 
     def _angular(self) -> tuple[Axes, bool]:
+        """Return the laws about the axes, and whether angles are swing and twist."""
         x, y, z = self.angular
         if x.locked or y.locked or z.locked:
             if self.swing_limit is not None:

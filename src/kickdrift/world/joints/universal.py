@@ -28,7 +28,7 @@ class Universal(Record):
     Raises
     ------
     ArgumentError
-        For axes of length zero or not at right angles, and for axes that are locked.
+        For axes of length zero or not perpendicular, and for axes that are locked.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Where a joint and its bodies lie in the tables: views, which its handle keeps as long as they hold."""
+"""Views of a joint and its bodies in the tables, which its handle keeps as long as they are valid."""
 
 from typing import NamedTuple
 
@@ -15,30 +15,30 @@ Floats = NDArray[np.float64]
 
 
 class EndViews(NamedTuple):
-    """Where a body of a joint lies in the tables."""
+    """Views of a body of a joint in the tables."""
 
     arm: Floats  # from its centre of mass to where the joint acts, (3,)
-    motion: Floats | None  # None where it never moves
-    load: Floats | None  # None where forces do not move it
+    motion: Floats | None  # (6,), or None for a static body
+    load: Floats | None  # (6,), or None for a body that is not dynamic
     body: NDArray[np.int64]
     rested: Floats
 
 
 class JointViews(NamedTuple):
-    """Where a joint and its bodies lie in the tables, for as long as these have a version."""
+    """Views of a joint and its bodies, valid for one version of the tables."""
 
     version: int
     principal: int
     locked: int
-    side: float  # -1.0 where a is measured against b
+    side: float  # -1.0 if a is measured relative to b
     signs: list[float]
     numbers: Floats
-    axes: list[Floats]  # (3,), of each of the six
+    axes: list[Floats]  # six of (3,)
     ends: tuple[EndViews, EndViews]  # a and b
 
 
 def look_up(tables: Tables, row: int) -> JointViews:
-    """Return where the joint of a row lies."""
+    """Return the views of the joint of a row."""
     joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
     axes = [numbers[AXES + 3 * k : AXES + 3 * k + 3] for k in range(6)]
     ends = []
@@ -56,7 +56,7 @@ def look_up(tables: Tables, row: int) -> JointViews:
 
 
 def wake_bodies(tables: Tables, row: int) -> None:
-    """Wake the bodies of the joint of a row, as if they had not rested."""
+    """Wake the bodies of the joint of a row, and reset their times of rest."""
     for body in tables.row(JOINT, row)[[BODY_A, BODY_B]].tolist():
         if tables.row(BODY, body).item(BODY_KIND) == DYNAMIC:
             tables.row(BODY, body)[AWAKE], tables.row(RESTED, body)[TIME] = 1, 0.0

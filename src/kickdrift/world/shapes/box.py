@@ -22,12 +22,13 @@ from kickdrift.world.shapes.record import SOLID, Kind
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the bounds of a box; see `kickdrift.world.shapes.record`."""
     return symmetric(turned_extents(q, (numbers[0], numbers[1], numbers[2])))
 
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a box; see `kickdrift.world.shapes.rays`."""
+    """Cast a ray at a box; see `kickdrift.world.shapes.rays`."""
     enters, leaves, face_in, face_out = -math.inf, math.inf, 0, 0
     for i in range(3):
         if direction[i] != 0.0:
@@ -92,7 +93,7 @@ class Box:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return float(np.linalg.norm(self.numbers))
 
     def mass_properties(self) -> MassProperties:

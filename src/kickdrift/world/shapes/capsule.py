@@ -18,17 +18,18 @@ from kickdrift.world.shapes.record import GLOSSY, SOLID, Kind
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the bounds of a capsule; see `kickdrift.world.shapes.record`."""
     r, axis = numbers[0], turned(q, (0.0, 0.0, numbers[1]))
     return symmetric((abs(axis[0]) + r, abs(axis[1]) + r, abs(axis[2]) + r))
 
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a capsule; see `kickdrift.world.shapes.rays`.
+    """Cast a ray at a capsule; see `kickdrift.world.shapes.rays`.
 
     Notes
     -----
-    It is the union of a cylinder and two balls, and convex: a line enters it where it first enters one of these.
+    It is convex, and the union of a cylinder and two balls: a line enters it where it first enters one of these.
     """
     radius, half = numbers[0], numbers[1]
     enters, leaves = through_cylinder(origin, direction, radius, half)
@@ -54,7 +55,7 @@ class Capsule:
     radius : float
         m.
     length : float
-        Of the segment, and so of the cylinder between the caps, m.
+        Length of the segment, which is that of the cylinder between the caps, m.
 
     Raises
     ------
@@ -85,7 +86,7 @@ class Capsule:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return self.radius + 0.5 * self.length
 
     def mass_properties(self) -> MassProperties:

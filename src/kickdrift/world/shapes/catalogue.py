@@ -1,4 +1,4 @@
-"""All kinds of shapes, by their numbers, and what is asked of their records again and again."""
+"""The catalogue of kinds of shapes, by number, and look-ups in their records."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -41,7 +41,7 @@ def kind_of(shape: Any) -> Kind:
     Raises
     ------
     ArgumentError
-        If it is no shape of any kind.
+        If it is not a shape.
     """
     kind = KINDS.get(getattr(shape, "kind", None))  # type: ignore[arg-type]
     if kind is None or type(shape) is not kind.shape:
@@ -52,11 +52,11 @@ def kind_of(shape: Any) -> Kind:
 
 
 def met_as(kind: int) -> int:
-    """Return the kind of what rays and other shapes meet: of a surface its triangles."""
+    """Return the kind with which rays and other shapes interact: TRIANGLE for surfaces, otherwise the kind itself."""
     return _TRIANGLE.number if KINDS[kind].sort == SURFACE else kind
 
 
 def may_touch(one: int, other: int) -> bool:
-    """Whether shapes of two kinds can touch: one of them has to move."""
+    """Whether two kinds, as of `met_as`, can touch: one of them must be solid, so that its body can move."""
     sorts = (KINDS[one].sort, KINDS[other].sort)
     return SURFACE not in sorts and SOLID in sorts

@@ -1,20 +1,20 @@
-"""Closest points of the simplest sets: segments, boxes, triangles."""
+"""Closest points of segments and boxes."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 
-COINCIDENT = 1e-11  # of the size of things: the direction between points that are nearer is rounding
+COINCIDENT = 1e-11  # of the size of the shapes: the direction between closer points is rounding
 
 
 @compiled(inline=True)
 def clamped(x: float, low: float, high: float) -> float:
-    """Return the number between two bounds that is nearest to x; the lower bound for NaN."""
+    """Return x clamped to two bounds; the lower bound for NaN."""
     return max(low, min(x, high))
 
 
 @compiled(inline=True)
 def along(start: Vector, t: float, direction: Vector) -> Vector:
-    """Point of a line."""
+    """Return start + t direction."""
     return (start[0] + t * direction[0], start[1] + t * direction[1], start[2] + t * direction[2])
 
 
@@ -25,15 +25,15 @@ def segments(offset: Vector, u: Vector, v: Vector) -> tuple[float, float]:
     Parameters
     ----------
     offset : (3,) tuple
-        From the middle of the first to the middle of the second.
+        Vector from the middle of the first to the middle of the second, m.
     u, v : (3,) tuple
-        From the middle of each to its upper end; not zero.
+        Vectors from the middle of each to its upper end, m; not zero.
 
     Returns
     -------
     s, t : float
-        The points s u of the first and offset + t v of the second, both numbers in [-1, 1]; one of the closest pairs if
-        there are many.
+        Parameters in [-1, 1] of the closest points: s u of the first, and offset + t v of the second. Of many closest pairs,
+        one.
 
     Notes
     -----
@@ -54,13 +54,13 @@ def segments(offset: Vector, u: Vector, v: Vector) -> tuple[float, float]:
 
 @compiled(inline=True)
 def beyond(x: float, half: float) -> float:
-    """By how much a coordinate lies outside of [-half, half], with its sign; 0 inside."""
+    """Return the signed distance of a coordinate from [-half, half]; 0 inside."""
     return x - clamped(x, -half, half)
 
 
 @compiled(inline=True)
 def outside_box(p: Vector, half: Vector) -> Vector:
-    """Vector to a point from the point of a box that is nearest to it; zero inside."""
+    """Return the vector from the nearest point of a box to a point; zero inside."""
     return (beyond(p[0], half[0]), beyond(p[1], half[1]), beyond(p[2], half[2]))
 
 
@@ -80,12 +80,12 @@ def segment_box(centre: Vector, axis: Vector, length: float, half: Vector) -> fl
     Returns
     -------
     t : float
-        The point is centre + t axis; one of the points inside, if there are some.
+        The point is centre + t axis; if the segment passes through the box, one of its points inside.
 
     Notes
     -----
-    Half the square of the distance is a convex function of t; its slope is continuous and linear between the six places
-    where the line enters or leaves one of the three slabs, so that bisecting those leaves one linear equation.
+    Half the squared distance is a convex function of t. Its derivative is continuous, and linear between the six values of t
+    where the line crosses the planes of the faces, so that bisection over these leaves one linear equation.
     """
     low, high = -length, length
     if _slope(centre, axis, low, half) >= 0.0:
@@ -116,4 +116,5 @@ def segment_box(centre: Vector, axis: Vector, length: float, half: Vector) -> fl
 
 @compiled(inline=True)
 def _slope(centre: Vector, axis: Vector, t: float, half: Vector) -> float:
+    """Return the derivative of half the squared distance by t."""
     return dot(axis, outside_box(along(centre, t, axis), half))

@@ -1,4 +1,4 @@
-"""Boxes along the world's axes that shapes fill, relative to their origins: what the functions of the kinds share."""
+"""Axis-aligned bounds of shapes relative to their origins: functions shared by the kinds."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ Extent = tuple[float, float, float, float, float, float]  # lower corner, upper 
 
 @compiled(inline=True)
 def turned_extents(q: Quaternion, sides: Vector) -> Vector:
-    """Return half the sides of what encloses a box of other half sides once it is turned: |R| sides."""
+    """Return the half sides of the axis-aligned bounds of a rotated box with the given half sides: |R| sides."""
     w, x, y, z = q
     a, b, c = sides
     return (
@@ -24,13 +24,13 @@ def turned_extents(q: Quaternion, sides: Vector) -> Vector:
 
 @compiled(inline=True)
 def symmetric(half: Vector) -> Extent:
-    """Return the box about the origin of given half sides."""
+    """Return the bounds centred at the origin with the given half sides."""
     return (-half[0], -half[1], -half[2], half[0], half[1], half[2])
 
 
 @compiled
 def around(numbers: Any, begin: int, width: int, count: int, points: int, q: Quaternion) -> Extent:
-    """Enclose some points at the start of each of so many rows."""
+    """Return the bounds of the first `points` points of each of `count` rows of numbers, rotated by q."""
     x, y, z = np.inf, np.inf, np.inf
     u, v, w = -np.inf, -np.inf, -np.inf
     for row in range(count):

@@ -1,6 +1,6 @@
-"""Round bodies about the z axis between two discs: cylinders and cones alike.
+"""Frusta of cones about the z axis, which include cylinders and cones.
 
-Their numbers are the radii of the lower and the upper disc, at z = -half and z = half, and that half of the length.
+Their numbers are the radii of the lower and the upper disc, at z = -half and z = half, and half the length.
 """
 
 import math
@@ -17,13 +17,13 @@ Frustum = tuple[float, float, float]
 
 @compiled(inline=True)
 def frustum_of(numbers: Any) -> Frustum:
-    """Return the radii and half of the length."""
+    """Return radii and half length from the numbers of a shape."""
     return (numbers[0], numbers[1], numbers[2])
 
 
 @compiled(inline=True)
 def radial(x: float, y: float) -> tuple[float, float, float]:
-    """Return the distance from the axis and the direction away from it; along x on the axis."""
+    """Return the distance from the axis and the unit vector away from it; the latter is along x on the axis."""
     size = math.sqrt(x * x + y * y)
     if size > 1e-150:
         return size, x / size, y / size
@@ -32,7 +32,7 @@ def radial(x: float, y: float) -> tuple[float, float, float]:
 
 @compiled(inline=True)
 def side_normal(frustum: Frustum) -> tuple[float, float]:
-    """Return how far the outward unit normal of the side points away from the axis, and how far up."""
+    """Return the radial and axial components of the outward unit normal of the side."""
     lower, upper, half = frustum
     size = math.sqrt(4.0 * half * half + (lower - upper) ** 2)
     return 2.0 * half / size, (lower - upper) / size
@@ -40,7 +40,7 @@ def side_normal(frustum: Frustum) -> tuple[float, float]:
 
 @compiled(inline=True)
 def highest(frustum: Frustum, n: Vector) -> float:
-    """Return the largest n . x of its points x."""
+    """Return the support function: the largest n . x of its points x."""
     lower, upper, half = frustum
     across = math.sqrt(n[0] * n[0] + n[1] * n[1])
     return max(upper * across + half * n[2], lower * across - half * n[2])
@@ -78,20 +78,19 @@ def signed_distance(frustum: Frustum, p: Vector) -> tuple[float, Vector]:
 
 @compiled
 def deepest(frustum: Frustum, start: Vector, end: Vector) -> tuple[float, Vector]:
-    """Find the point of a segment with the least signed distance.
+    """Find the point of a segment with the smallest signed distance.
 
     Returns
     -------
     t : float
         From 0 at the start to 1 at the end.
     normal : (3,) tuple
-        Unit vector out of the frustum along which the two separate.
+        Outward unit normal of the frustum along which the two are separated.
 
     Notes
     -----
-    The slope of a convex function grows along the segment: where it changes its sign is found by false position
-    (Illinois), bisecting where that is slow. Where it jumps, at a rim, the normals on both sides are mixed so that the
-    result is at right angles to the segment.
+    The derivative of a convex function increases along the segment: its zero is found by false position (Illinois), with every
+    third step a bisection. If it jumps, at a rim, the normals on both sides are combined into one perpendicular to the segment.
     """
     way = minus(end, start)
     low, high = 0.0, 1.0
@@ -120,14 +119,14 @@ def deepest(frustum: Frustum, start: Vector, end: Vector) -> tuple[float, Vector
     y = share * n_low[1] + (1.0 - share) * n_high[1]
     z = share * n_low[2] + (1.0 - share) * n_high[2]
     size = math.sqrt(x * x + y * y + z * z)
-    if size < 1e-9:  # through the middle of a disc: any way out
+    if size < 1e-9:  # through the centre of a disc: any direction will do
         return low, n_low
     return 0.5 * (low + high), (x / size, y / size, z / size)
 
 
 @compiled
 def frustum_extent(numbers: Any, q: Quaternion) -> Extent:
-    """Return the box of a frustum; see `kickdrift.world.shapes.record`."""
+    """Return the bounds of a frustum; see `kickdrift.world.shapes.record`."""
     f = frustum_of(numbers)
     x, y, z = turned_back(q, (1.0, 0.0, 0.0)), turned_back(q, (0.0, 1.0, 0.0)), turned_back(q, (0.0, 0.0, 1.0))
     return (
@@ -142,10 +141,10 @@ def frustum_extent(numbers: Any, q: Quaternion) -> Extent:
 
 @compiled
 def ray_frustum(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a frustum; see `kickdrift.world.shapes.rays`."""
+    """Cast a ray at a frustum; see `kickdrift.world.shapes.rays`."""
     f = frustum_of(numbers)
     half = f[2]
-    # From the point of the line that is nearest to the middle, where the digits are
+    # Parameters count from the point of the line nearest to the origin, which loses no digits
     start = -dot(origin, direction)
     o = along(origin, start, direction)
     first, last = -math.inf, math.inf
@@ -170,7 +169,7 @@ def ray_frustum(numbers: Any, origin: Vector, direction: Vector, limit: float) -
 
 @compiled
 def _through_side(frustum: Frustum, o: Vector, d: Vector, first: float, last: float) -> Chord:
-    """Chord of a line within the side, of the part of it that lies between the planes of the discs."""
+    """Return the chord of a line in the infinite cone of the side, within its part between the planes of the discs."""
     lower, upper, half = frustum
     growth = (upper - lower) / (2.0 * half)
     a, b = 0.5 * (lower + upper) + growth * o[2], growth * d[2]  # radius along the line: a + b t
@@ -184,7 +183,7 @@ def _through_side(frustum: Frustum, o: Vector, d: Vector, first: float, last: fl
             return (first, last) if constant <= 0.0 else NO_CHORD
         root = -0.5 * constant / linear
         return (first, min(last, root)) if linear > 0.0 else (max(first, root), last)
-    # The discriminant linear^2 - square constant, without the difference of products of large numbers
+    # The discriminant linear^2 - square constant, without cancellation of large products
     across = o[0] * d[1] - o[1] * d[0]
     mixed_x, mixed_y = a * d[0] - b * o[0], a * d[1] - b * o[1]
     rest = mixed_x * mixed_x + mixed_y * mixed_y - across * across
@@ -195,5 +194,5 @@ def _through_side(frustum: Frustum, o: Vector, d: Vector, first: float, last: fl
     low, high = min(one, other), max(one, other)
     if square > 0.0:
         return max(first, low), min(last, high)
-    # Steeper than the side: inside before the one root or after the other, of which one is on this side of the tip.
+    # Steeper than the side: inside before one root or after the other, of which one belongs to this side of the tip.
     return (first, min(last, low)) if min(last, low) - first >= last - max(first, high) else (max(first, high), last)

@@ -86,7 +86,7 @@ class HeightField:
 
     @property
     def reach(self) -> float:
-        """0.0: it never moves."""
+        """0.0, as for all shapes that never move."""
         return 0.0
 
     def mass_properties(self) -> MassProperties:

@@ -24,19 +24,20 @@ from kickdrift.world.shapes.record import SOLID, Kind
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull
 
-# Of the largest extent: what lies so near to each other, or so near to a plane, counts as one, and so flat a set of
-# points as flat.
+# Fraction of the largest extent within which points count as one, or as points of a plane, and below which a set of points is
+# flat.
 _FLAT = 1e-6
 
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the bounds of a hull; see `kickdrift.world.shapes.record`."""
     return around(numbers, HEADER, 3, int(numbers[VERTICES]), 1, q)
 
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a convex polyhedron; see `kickdrift.world.shapes.rays` (Cyrus and Beck 1978)."""
+    """Cast a ray at a convex polyhedron; see `kickdrift.world.shapes.rays` (Cyrus and Beck 1978)."""
     enters, leaves, face_in, face_out = -math.inf, math.inf, 0, 0
     for face in range(int(numbers[FACES])):
         normal, offset = plane(numbers, face)
@@ -116,7 +117,7 @@ class Hull:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return float(np.sqrt((self.vertices**2).sum(axis=1).max()))
 
     def mass_properties(self) -> MassProperties:
@@ -159,8 +160,8 @@ def _check(points: Array) -> None:
 
 
 def _corners_and_faces(points: Array) -> tuple[Array, tuple[tuple[int, ...], ...]]:
-    """Find corners and faces of the hull of points of extent 1."""
-    from scipy.spatial import ConvexHull  # takes 0.2 s, which worlds without hulls need not wait for
+    """Return corners and faces of the hull of points of extent 1."""
+    from scipy.spatial import ConvexHull  # takes 0.2 s, which worlds without hulls need not spend
 
     corners = _distinct(points[ConvexHull(points).vertices])
     while True:
@@ -168,11 +169,11 @@ def _corners_and_faces(points: Array) -> tuple[Array, tuple[tuple[int, ...], ...
         ends = np.bincount([index for face in faces for index in face], minlength=len(corners))
         if ends.min() >= 3:
             return corners, faces
-        corners = corners[ends >= 3]  # the others lie on an edge or in a face
+        corners = corners[ends >= 3]  # the others are on an edge or in a face
 
 
 def _distinct(points: Array) -> Array:
-    """Leave out points that are as good as an earlier one."""
+    """Return the points without those that coincide with an earlier one."""
     kept = np.ones(len(points), dtype=np.bool_)
     for k in range(1, len(points)):
         ways = points[:k][kept[:k]] - points[k]
@@ -205,7 +206,7 @@ def _merged(corners: Array, hull: ConvexHull) -> tuple[tuple[int, ...], ...]:
 
 
 def _outline(triangles: list[list[int]]) -> tuple[int, ...]:
-    """Return the loop around triangles that make up one polygon, in their sense."""
+    """Return the boundary of triangles that form a polygon, in their orientation."""
     steps = {(t[k], t[(k + 1) % 3]) for t in triangles for k in range(3)}
     following = {begin: end for begin, end in steps if (end, begin) not in steps}
     loop = [min(following)]

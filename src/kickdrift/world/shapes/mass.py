@@ -1,4 +1,4 @@
-"""Mass of shapes and of the bodies that they make up."""
+"""Mass properties of shapes, and of bodies composed of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from kickdrift.core.errors import ArgumentError
 
 Array = NDArray[np.float64]
 
-# Rounding in a file of six digits; beyond it, no distribution of mass has these moments.
+# Relative tolerance of inertias, for files with six digits.
 _TOLERANCE = 1e-6
 
 SMALLEST, LARGEST = 1e-15, 1e15  # m
@@ -63,7 +63,7 @@ def placed(
     density: float | None = None,
     mass: float | None = None,
 ) -> Mass:
-    """Return the mass properties of a shape that has a place in a body.
+    """Return the mass properties of a shape with a pose in a body.
 
     Parameters
     ----------
@@ -96,12 +96,12 @@ def placed(
 
 
 def combined(parts: Sequence[Mass]) -> Mass:
-    """Return the mass properties of a body of parts, by the parallel axis theorem.
+    """Return the mass properties of a body composed of parts, by the parallel axis theorem.
 
     Parameters
     ----------
     parts : sequence of Mass
-        Their centres and inertias in the same axes.
+        With centres and inertias in the same axes.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def combined(parts: Sequence[Mass]) -> Mass:
 
 
 def summed(parts: Sequence[Mass]) -> Mass:
-    """Add parts up as `combined` does, whatever their inertias are."""
+    """Return the sum of parts as `combined` does, without checking the inertia."""
     masses = np.array([part.mass for part in parts])
     total = float(masses.sum())
     centre = masses @ np.array([part.centre for part in parts]) / total
@@ -132,20 +132,20 @@ def summed(parts: Sequence[Mass]) -> Mass:
 
 
 def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
-    """Return an inertia as a symmetric (3, 3) array if a body can have it.
+    """Return an inertia as a symmetric (3, 3) array, if it is physically possible.
 
     Parameters
     ----------
     inertia : (3, 3) or (3,) array
         About the centre of mass, kg m^2; three numbers are the diagonal.
     argument : str
-        What the sentences call it.
+        Its name in messages.
 
     Raises
     ------
     ArgumentError
         If it is not finite, not symmetric, not positive definite, or if one principal moment is greater than the sum of
-        the other two: each is an integral of the squares of two coordinates, so that no body has such moments.
+        the other two: each is the integral of the squares of two coordinates, so no body has such moments.
     """
     try:
         matrix = reals(inertia)
@@ -196,7 +196,7 @@ def rotation_matrix(orientation: ArrayLike) -> Array:
 
 
 def extent(argument: str, value: float) -> float:
-    """Return a length in m if a shape can be as large: its fifth power goes into an inertia; ArgumentError if not."""
+    """Return a length in m if it is in the supported range; ArgumentError if not. Its fifth power enters into inertias."""
     number = positive(argument, value, "m")
     if not SMALLEST <= number <= LARGEST:
         raise ArgumentError(f"{argument}={number:g} m is outside the supported range, {SMALLEST:g} to {LARGEST:g} m.")

@@ -16,10 +16,10 @@ from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties
 from kickdrift.world.shapes.record import SURFACE, Kind
 from kickdrift.world.shapes.triangle import surface_extent
 
-# Between neighbours: at blunter edges bodies are pushed along the normal of one of the two triangles.
+# Cosine of the angle between adjacent triangles: at edges with a smaller one bodies are pushed along a triangle's normal.
 _SHARP = math.cos(math.radians(5.0))
 
-# Height of a triangle over its longest side, below which it has no normal to speak of.
+# Ratio of height to longest side below which a triangle is degenerate.
 _FLAT = 1e-9
 
 
@@ -51,7 +51,7 @@ class Mesh:
         points = _vertices(vertices)
         try:
             triangles = np.asarray(faces)
-        except Exception as error:  # ragged, or what no array can be made of
+        except Exception as error:  # ragged, or not convertible to an array
             raise ArgumentError(f"faces={faces!r} must be triangles: {error}; give three vertices for each.") from None
         if triangles.ndim != 2 or triangles.shape[1:] != (3,) or not len(triangles):
             raise ArgumentError(f"faces has the shape {triangles.shape}; give (F, 3): three vertices of each triangle.")
@@ -82,10 +82,10 @@ class Mesh:
         return np.concatenate(([count], rows.ravel()))
 
     def active_edges(self) -> NDArray[np.bool_]:
-        """Return the edges at which bodies may be pushed sideways, (F, 3); edge k leaves corner k.
+        """Return flags of the edges at which bodies may be pushed sideways, (F, 3); edge k begins at corner k.
 
-        Of those where the surface ends or bends away from its outside by more than five degrees. Elsewhere, bodies
-        touch the triangles beside it.
+        They are those where the surface ends, or is convex with an angle of more than five degrees. At other edges, bodies
+        touch the adjacent triangles.
         """
         _, merged = np.unique(self.vertices, axis=0, return_inverse=True)
         begin = merged.reshape(-1)[self.faces]
@@ -117,7 +117,7 @@ class Mesh:
 
     @property
     def reach(self) -> float:
-        """0.0: it never moves."""
+        """0.0, as for all shapes that never move."""
         return 0.0
 
     def mass_properties(self) -> MassProperties:

@@ -1,4 +1,4 @@
-"""The half-space under a plane."""
+"""The half-space below a plane."""
 
 import math
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from kickdrift.world.shapes.record import GROUND, HALF_SPACE, Kind
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a half-space; see `kickdrift.world.shapes.rays`."""
+    """Cast a ray at a half-space; see `kickdrift.world.shapes.rays`."""
     height, rise = origin[2], direction[2]
     if rise < 0.0:
         distance = ahead((-height / rise, math.inf), limit) if height >= 0.0 else math.inf
@@ -36,12 +36,12 @@ class Plane:
 
     @property
     def numbers(self) -> Array:
-        """The data for compiled code: none but its pose."""
+        """The data for compiled code: none besides its pose."""
         return np.zeros(0)
 
     @property
     def reach(self) -> float:
-        """0.0: it never moves."""
+        """0.0, as for all shapes that never move."""
         return 0.0
 
     def mass_properties(self) -> MassProperties:

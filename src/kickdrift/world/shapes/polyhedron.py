@@ -1,13 +1,13 @@
-"""Numbers of convex polyhedra: vertices, planes, face loops and edges in one row of floats.
+"""Layout of convex polyhedra: vertices, planes, face loops and edges in one array of floats.
 
-The row opens with `HEADER` numbers. Then come
+The array begins with `HEADER` numbers. They are followed by
 
 - the vertices, three coordinates each;
 - the planes of the faces, outward unit normal and offset (4): n . x <= offset inside;
-- where the loop of each face starts among the entries of all loops, and where the last one ends (faces + 1);
-- the vertices of all loops, each counter-clockwise seen from outside;
-- the edges of all loops: the one that leaves each of these vertices;
-- the edges, each with its two vertices and the faces on its left and its right, seen from outside (4).
+- where the loop of each face begins among the entries of all loops, and where the last one ends (faces + 1);
+- the vertices of all loops, each counter-clockwise as seen from outside;
+- the edges of all loops: the one that begins at each of these vertices;
+- the edges, each with its two vertices and the faces on its left and its right, as seen from outside (4).
 
 Indices are floats, which hold them exactly.
 """
@@ -25,19 +25,19 @@ from kickdrift.world.columns import Fields
 
 Array = NDArray[np.float64]
 
-# Numbers that a row opens with
+# Numbers of the header
 _HEADER = Fields()
-VERTICES = _HEADER.field()  # how many there are
+VERTICES = _HEADER.field()  # number of vertices
 FACES = _HEADER.field()
 EDGES = _HEADER.field()
-PLANES_AT = _HEADER.field()  # where they begin
+PLANES_AT = _HEADER.field()  # where the planes begin
 LOOPS_AT = _HEADER.field()  # the starts of the loops
 LOOP_VERTICES_AT = _HEADER.field()
 LOOP_EDGES_AT = _HEADER.field()
 EDGES_AT = _HEADER.field()
-CENTRE = _HEADER.field(3, "m")  # a point well inside
+CENTRE = _HEADER.field(3, "m")  # an interior point: the mean of the vertices
 THICKNESS = _HEADER.field(1, "m")  # half of the smallest distance between a face and the vertex farthest behind it
-PUSHING = _HEADER.field()  # how many of the edges, the first ones, may push: all but for triangles of a mesh
+PUSHING = _HEADER.field()  # number of edges, the first ones, that may push: all, except for triangles of a mesh
 HEADER = _HEADER.close()
 
 MOST_VERTICES = 128
@@ -46,7 +46,7 @@ MOST_EDGES = 3 * MOST_VERTICES - 6  # Euler: of a polyhedron all of whose faces 
 
 @compiled(inline=True)
 def pointer_to(numbers: Array) -> Any:
-    """Return a pointer to the numbers of a polyhedron: an array would be seven words in every call."""
+    """Return a pointer to the numbers of a polyhedron; an array would pass seven words in every call."""
     return floats_at(numbers.ctypes.data)
 
 
@@ -79,7 +79,7 @@ def loop_vertex(numbers: Any, entry: int) -> int:
 
 @compiled(inline=True)
 def loop_edge(numbers: Any, entry: int) -> int:
-    """Return the edge that leaves the vertex at an entry of the loops."""
+    """Return the edge that begins at the vertex of an entry of the loops."""
     return int(numbers[int(numbers[LOOP_EDGES_AT]) + entry])
 
 
@@ -92,7 +92,7 @@ def edge(numbers: Any, index: int) -> tuple[int, int, int, int]:
 
 @compiled
 def support(numbers: Any, direction: Vector) -> int:
-    """Return the first vertex that lies farthest in a direction."""
+    """Return the support vertex in a direction, the first of equal ones."""
     best, farthest = 0, -np.inf
     for k in range(int(numbers[VERTICES])):
         at = HEADER + 3 * k
@@ -103,14 +103,14 @@ def support(numbers: Any, direction: Vector) -> int:
 
 
 def polyhedron_numbers(vertices: Array, loops: Sequence[Sequence[int]]) -> Array:
-    """Lay out a closed convex polyhedron.
+    """Return the numbers of a closed convex polyhedron.
 
     Parameters
     ----------
     vertices : (V, 3) array
         m.
     loops : sequence of sequences of int
-        Vertices of each face, counter-clockwise seen from outside.
+        Vertices of each face, counter-clockwise as seen from outside.
     """
     normals = np.array([face_normal(vertices[list(indices)]) for indices in loops])
     heights = normals @ vertices.T

@@ -1,9 +1,9 @@
-"""Ray casts against shapes: what their functions share.
+"""Ray casts at shapes: their interface, and functions that they share.
 
-``ray(numbers, origin, direction, limit)`` works in the frame of the shape: `origin` is a point, `direction` a unit
-vector, and what is farther than `limit` is not met. It returns the distance and the outward unit normal there: four
-floats, or infinity and zeros if the ray meets nothing. A ray that starts inside meets the surface where it leaves; its
-direction and the normal then point to the same side. Triangles are met from both sides.
+``ray(numbers, origin, direction, limit)`` works in the frame of the shape: `origin` is a point, `direction` a unit vector, and
+hits beyond `limit` do not count. It returns the distance and the outward unit normal there: four floats, or infinity and zeros
+without a hit. A ray that starts inside hits the surface where it leaves; its direction and the normal then point to the same
+side. Triangles are hit from both sides.
 """
 
 import math
@@ -13,7 +13,7 @@ from kickdrift.core.vectors import Vector, dot, length
 from kickdrift.world.shapes.closest_points import along
 
 Hit = tuple[float, float, float, float]
-Chord = tuple[float, float]  # where a line enters a convex set and where it leaves; empty if the first is the greater
+Chord = tuple[float, float]  # distances at which a line enters and leaves a convex set; empty if the first is greater
 
 MISS: Hit = (math.inf, 0.0, 0.0, 0.0)
 NO_CHORD: Chord = (math.inf, -math.inf)
@@ -21,7 +21,7 @@ NO_CHORD: Chord = (math.inf, -math.inf)
 
 @compiled(inline=True)
 def ahead(chord: Chord, limit: float) -> float:
-    """Return where a ray meets a convex set that its line passes through: ahead of it and not beyond the limit."""
+    """Return the distance of the first hit of a ray on a convex set, from the chord of its line; infinity without a hit."""
     enters, leaves = chord
     if enters > leaves:
         return math.inf
@@ -33,7 +33,7 @@ def ahead(chord: Chord, limit: float) -> float:
 
 @compiled(inline=True)
 def through_ball(origin: Vector, direction: Vector, radius: float) -> Chord:
-    """Chord of a line in a ball about the origin of coordinates."""
+    """Return the chord of a line in a ball centred at the origin."""
     middle = -dot(origin, direction)
     miss = length(along(origin, middle, direction))
     if miss > radius:
@@ -44,7 +44,7 @@ def through_ball(origin: Vector, direction: Vector, radius: float) -> Chord:
 
 @compiled(inline=True)
 def through_cylinder(origin: Vector, direction: Vector, radius: float, half: float) -> Chord:
-    """Chord of a line in a cylinder about the z axis, between -half and half."""
+    """Return the chord of a line in a cylinder about the z axis, between z = -half and half."""
     enters, leaves = -math.inf, math.inf
     slant = math.sqrt(direction[0] * direction[0] + direction[1] * direction[1])
     if slant > 0.0:

@@ -1,4 +1,4 @@
-"""The record of a kind of shapes: all that a world, a file and a picture know of it."""
+"""The record of a kind of shapes: everything that worlds, files and drawings need of it."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
@@ -13,18 +13,18 @@ from kickdrift.world.shapes.mass import MassProperties
 
 Floats = NDArray[np.float64]
 
-# What a kind is
-SOLID = 0  # has an inside, so that its bodies may move
-SURFACE = 1  # of triangles, which are met one by one
-HALF_SPACE = 2  # what is under the plane z = 0; no box holds it
-TRIANGLE_OF_SURFACE = 3  # no shape of its own
+# Sorts of kinds
+SOLID = 0  # has an interior, so that its bodies may move
+SURFACE = 1  # of triangles, each of which forms its own contacts
+HALF_SPACE = 2  # below the plane z = 0; without finite bounds
+TRIANGLE_OF_SURFACE = 3  # the part of a surface, not a shape of users
 
-# How it looks, besides its colour: bits
+# Appearance besides colour: bits
 PLAIN = 0
-GLOSSY = 1  # mirrors the lamp
-CREASED = 2  # lines are drawn where its faces meet
-BALL = 4  # marks show how it turns, and from all sides it is as large
-GROUND = 8  # has a grid, and fades with the distance
+GLOSSY = 1  # has highlights
+CREASED = 2  # edges between its faces are drawn
+BALL = 4  # has marks that show its rotation, and the same outline from all sides
+GROUND = 8  # has a grid, and fades with distance
 
 _ARRAY, _VECTOR = types.Array(types.float64, 1, "C"), types.UniTuple(types.float64, 3)
 EXTENT = types.UniTuple(types.float64, 6)(_ARRAY, types.UniTuple(types.float64, 4))
@@ -38,12 +38,12 @@ class Shape(Protocol):
 
     @property
     def numbers(self) -> Floats:
-        """What compiled code knows of it."""
+        """The data for compiled code, (N,)."""
         ...
 
     @property
     def reach(self) -> float:
-        """Farthest that any point of it is from the origin of its frame, m; 0.0 for those that never move."""
+        """Radius of its bounding sphere about the origin of its frame, m; 0.0 for shapes that never move."""
         ...
 
     def mass_properties(self) -> MassProperties:
@@ -56,31 +56,31 @@ _OF_SHAPES = ("kind", "numbers", "reach", "mass_properties")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Kind:
-    """What there is to know of a kind of shapes.
+    """The record of a kind of shapes.
 
     Attributes
     ----------
     number : int
-        Of `kickdrift.world.shapes.kinds`.
+        From `kickdrift.world.shapes.kinds`.
     name : str
-        In files and sentences.
+        In files and messages.
     sort : int
         `SOLID`, `SURFACE`, `HALF_SPACE` or `TRIANGLE_OF_SURFACE`.
     shape : type, optional
-        The dataclass that users make one with: `Shape`; its fields are what files keep.
+        The dataclass for users, a `Shape`; files store its fields.
     extent : callable, optional
-        ``extent(numbers, orientation)``, compiled: the box along the world's axes that one fills, relative to its origin.
+        ``extent(numbers, orientation)``, compiled: axis-aligned bounds of a rotated shape, relative to its origin.
     ray : callable, optional
         ``ray(numbers, origin, direction, limit)``, compiled; see `kickdrift.world.shapes.rays`.
     is_round : bool
-        Whether it rolls: its contacts go with it and are found again after the smallest turn.
+        Whether it can roll: its contact points do not turn with it, and are found again after the smallest rotation.
     look : int
         Bits, such as `GLOSSY`.
 
     Raises
     ------
     ArgumentError
-        If something is missing that a kind of this sort has to have.
+        If the record lacks something that a kind of this sort must have, or has something that it cannot have.
     """
 
     number: int

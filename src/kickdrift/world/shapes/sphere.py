@@ -18,13 +18,14 @@ from kickdrift.world.shapes.record import BALL, GLOSSY, SOLID, Kind
 
 @compiled
 def _extent(numbers: Any, q: Quaternion) -> Extent:
+    """Return the bounds of a ball; see `kickdrift.world.shapes.record`."""
     r = numbers[0]
     return (-r, -r, -r, r, r, r)
 
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a ball; see `kickdrift.world.shapes.rays`."""
+    """Cast a ray at a ball; see `kickdrift.world.shapes.rays`."""
     distance = ahead(through_ball(origin, direction, numbers[0]), limit)
     if distance == math.inf:
         return MISS
@@ -68,7 +69,7 @@ class Sphere:
 
     @property
     def reach(self) -> float:
-        """Largest distance of any point of it from the origin of its frame, m."""
+        """Radius of its bounding sphere about the origin of its frame, m."""
         return self.radius
 
     def mass_properties(self) -> MassProperties:

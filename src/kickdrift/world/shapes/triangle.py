@@ -15,30 +15,30 @@ _TRIANGLE = Fields()
 _TRIANGLE.field(9, "m")  # corners
 ACTIVE_EDGES = _TRIANGLE.field(3)  # flags: see `kickdrift.world.shapes.mesh`
 TRIANGLE_SIZE = _TRIANGLE.close()
-FIRST_TRIANGLE = 1  # of the numbers of a surface
+FIRST_TRIANGLE = 1  # index of the first triangle in the numbers of a surface
 
 
 @compiled(inline=True)
 def triangles_of(size: int) -> int:
-    """Return the number of triangles of a surface that has so many numbers."""
+    """Return the number of triangles of a surface with `size` numbers."""
     return (size - FIRST_TRIANGLE) // TRIANGLE_SIZE
 
 
 @compiled(inline=True)
 def begin_of(begin: int, part: int) -> int:
-    """Return where the numbers of a triangle begin among those of all shapes, of a surface that begins somewhere."""
+    """Return where the numbers of a triangle begin, for a surface whose numbers begin at `begin`."""
     return begin + FIRST_TRIANGLE + TRIANGLE_SIZE * part
 
 
 @compiled
 def surface_extent(numbers: Any, q: Quaternion) -> Extent:
-    """Return the box of a surface; see `kickdrift.world.shapes.record`."""
+    """Return the bounds of a surface; see `kickdrift.world.shapes.record`."""
     return around(numbers, FIRST_TRIANGLE, TRIANGLE_SIZE, triangles_of(len(numbers)), 3, q)
 
 
 @compiled(inline=True)
 def triangle_box(numbers: Any, begin: int, part: int) -> Extent:
-    """Return the box of a triangle in the frame of its surface."""
+    """Return the bounds of a triangle in the frame of its surface."""
     at = begin_of(begin, part)
     x = (numbers[at], numbers[at + 3], numbers[at + 6])
     y = (numbers[at + 1], numbers[at + 4], numbers[at + 7])
@@ -55,12 +55,12 @@ def triangle_box(numbers: Any, begin: int, part: int) -> Extent:
 
 @compiled
 def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
-    """Meet a triangle from either side; see `kickdrift.world.shapes.rays`.
+    """Cast a ray at a triangle, from either side; see `kickdrift.world.shapes.rays`.
 
     Notes
     -----
-    Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection: corners are seen along the ray, in a plane across.
-    Whichever of the triangles around an edge or a corner asks, the same numbers answer, so that no ray slips through.
+    Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection: corners are projected along the ray onto a coordinate plane.
+    All triangles at an edge or a corner compute the same numbers, so that no ray slips through between them.
     """
     u = minus((numbers[0], numbers[1], numbers[2]), origin)
     v = minus((numbers[3], numbers[4], numbers[5]), origin)
@@ -84,7 +84,7 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 
 @compiled(inline=True)
 def _along_ray(p: Vector, direction: Vector) -> tuple[float, float]:
-    """Project a point along a ray onto the plane of the two axes that the ray is least along."""
+    """Project a point along a ray onto the coordinate plane most perpendicular to it."""
     x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
     if x >= y and x >= z:
         return p[1] - direction[1] / direction[0] * p[0], p[2] - direction[2] / direction[0] * p[0]
