@@ -28,6 +28,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "catalogue_pages",
     "docstrings",
+    "figures",
     "mathml",
 ]
 exclude_patterns = ["_build", "gallery", "examples/**/*.ipynb", "**/sg_execution_times.rst", "sg_execution_times.rst"]
@@ -55,6 +56,7 @@ sphinx_gallery_conf = {
     "filename_pattern": os.environ.get("KICKDRIFT_GALLERY", r"\.py$"),  # a part of a path builds that example alone
     "ignore_pattern": r"__init__\.py",
     "image_scrapers": ("figures.scrape",),
+    "ignore_repr_types": "Embedded",
     "within_subsection_order": "FileNameSortKey",
     "subsection_order": ["gallery/" + name for name in (
         "orbits", "oscillations", "fields", "heat", "chaos", "rigid", "contacts", "machines", "cloth", "methods",

@@ -303,7 +303,9 @@ def test_two_thousand_bodies_fit(tmp_path):
     sol = kd.solve(lambda x: -x, (0.0, 3.0), start, 0 * start, step=0.1, compile=False)
     page = Page(sol.to_html(tmp_path / "crowd.html"))
     assert "/tails" not in page.nodes
-    assert page.of("bodies", "batched_positions")[1].size == 6000
+    assert "/orbits" not in page.nodes
+    assert page.of("bodies", "points")[1].size == 6000
+    assert "2000 bodies without their orbits" in page.text
     assert len(page.text) < CLIENT + 3_000_000
 
 

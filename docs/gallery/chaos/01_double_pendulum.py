@@ -2,8 +2,8 @@
 Double pendulums part
 =====================
 
-Ten double pendulums begin with angles that differ by a hundred-thousandth of a degree. For nine seconds one sees one of them, then
-all ten. The equations come from the Lagrangian, by SymPy.
+Ten double pendulums begin with angles that differ by a hundred-thousandth of a degree. For nine seconds they look like one,
+then they part. The equations come from the Lagrangian, by SymPy.
 """
 
 import matplotlib.pyplot as plt

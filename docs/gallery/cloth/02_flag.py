@@ -2,8 +2,8 @@
 A flag in the wind
 ==================
 
-A flag of 1.2 m by 0.7 m in a wind of 6 m/s. Each triangle takes drag and lift from the air that flows past it; waves run along the cloth,
-and its free edge beats some times a second.
+A flag of 1.2 m by 0.7 m in a wind of 6 m/s. Each triangle takes drag and lift from the air that flows past it; waves run along
+the cloth, and its free edge beats a few times per second.
 """
 
 import numpy as np
@@ -24,3 +24,4 @@ figure = recording.plot()
 edge = recording.cloth("flag")[60:, -9, 1]  # the middle of the free edge, from 1 s on
 beats = ((edge[1:] > edge.mean()) & (edge[:-1] <= edge.mean())).sum() / 3.0
 print(f"the free edge swings over {np.ptp(edge):.2f} m, {beats:.1f} times a second")
+recording.show()

@@ -2,8 +2,8 @@
 A wrecking ball
 ===============
 
-Twenty rods of 1 kg and a ball of a thousand. Solvers that go from joint to joint let such a chain stretch like rubber; solved at
-once, as one island, it stays as long as it is. The ball goes through a wall of 28 stones, which take half of its height.
+Twenty rods of 1 kg and a ball of a thousand. Solvers that go from joint to joint let such a chain stretch like rubber; solved
+at once, as one island, it keeps its length. The ball breaks through a wall of 28 stones, which costs it half of its height.
 """
 
 import numpy as np
@@ -34,3 +34,4 @@ figure = recording.plot()
 height = recording.x[:, ball.index, 2]
 print(f"joints open by {1e3 * recording.derived['joint gap'].max():.2f} mm at most")
 print(f"the ball began at {height[0]:.2f} m and comes up to {height[240:].max():.2f} m behind the wall")
+recording.show()

@@ -2,8 +2,8 @@
 Dominoes
 ========
 
-Forty dominoes in a row; the first is pushed. The wave that runs through them has a speed of its own after a few, as each falls
-against the next before it lies.
+Forty dominoes in a row; the first is pushed. After the first few, the wave that runs through them has a constant speed, since
+each hits the next while it is falling.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 The break
 =========
 
-Fifteen balls in a triangle, a millimetre and a half apart, and the white one with 8 m/s. Pool balls have a restitution of 0.93 and cloth rolls them to rest
-(Alciatore, The Illustrated Principles of Pool and Billiards).
+Fifteen balls in a triangle, a millimetre and a half apart, and the cue ball at 8 m/s. Pool balls have a restitution of 0.93,
+and rolling resistance of the cloth stops them (Alciatore, The Illustrated Principles of Pool and Billiards).
 """
 
 import numpy as np
@@ -30,3 +30,4 @@ moving = np.linalg.norm(recording.v[:, recording.moving], axis=2)
 print(
     f"{(moving.max(axis=0) > 0.5).sum()} balls have moved faster than 0.5 m/s; after 6 s {(moving[-1] > 0.01).sum()} still roll"
 )
+recording.show()

@@ -2,9 +2,9 @@
 A proton in Van Allen's belt
 ============================
 
-A proton of 10 MeV, caught by the Earth's dipole at two radii from its centre: it gyrates 59 times a second, bounces from north to
-south and back in 1.03 s, and drifts around the Earth in 145 s. The theory of such particles (Walt, Introduction to Geomagnetically
-Trapped Radiation, 1994) gives 1.04 s and 146 s.
+A proton of 10 MeV, caught by the Earth's dipole at two radii from its centre: it gyrates 59 times a second, bounces from north
+to south and back in 1.03 s, and drifts around the Earth in 145 s. The theory of such particles (Walt, Introduction to
+Geomagnetically Trapped Radiation, 1994) gives 1.04 s and 146 s.
 """
 
 import matplotlib.pyplot as plt
@@ -38,4 +38,4 @@ north = np.flatnonzero((sol.x[1:, 2] > 0) & (sol.x[:-1, 2] <= 0))
 longitude = np.unwrap(np.arctan2(sol.x[:, 1], sol.x[:, 0]))
 print(f"bounces once in {np.diff(sol.t[north]).mean():.2f} s")
 print(f"drifts around in {60 * 2 * np.pi / abs(longitude[-1]):.0f} s")
-print(f"speed changed by {abs(np.linalg.norm(sol.v[-1]) / np.linalg.norm(sol.v[0]) - 1):.0e} of itself")
+print(f"relative change of the speed {abs(np.linalg.norm(sol.v[-1]) / np.linalg.norm(sol.v[0]) - 1):.0e}")

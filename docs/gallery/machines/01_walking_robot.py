@@ -2,8 +2,8 @@
 A walking robot
 ===============
 
-A trunk and four legs, each with a hip and a knee, driven by springs with dampers whose targets swing. Legs that stand across from each other
-step together: a trot of 2.5 steps a second. Nothing measures whether it falls.
+A trunk and four legs, each with a hip and a knee, driven by springs with dampers whose targets oscillate. Diagonally opposite
+legs step together: a trot of 2.5 steps per second. There is no feedback about its balance.
 """
 
 import numpy as np
@@ -38,3 +38,4 @@ print(
     f"{trunk_at[-1, 0]:.2f} m in 5 s, {abs(trunk_at[:, 1]).max():.2f} m to the side, "
     f"the trunk between {trunk_at[200:, 2].min():.2f} and {trunk_at[200:, 2].max():.2f} m high"
 )
+walk.show()

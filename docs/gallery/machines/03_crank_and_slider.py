@@ -2,8 +2,9 @@
 Crank, rod and piston
 =====================
 
-A flywheel turns a crank, whose rod pushes a piston to and fro: a loop of four joints, closed, which is solved at once. The piston
-follows :math:`x = r \\cos \\varphi + \\sqrt{l^2 - r^2 \\sin^2 \\varphi}` to rounding, and without friction the energy stays.
+A flywheel turns a crank, whose rod pushes a piston to and fro: a closed loop of four joints, which are solved at once. The
+piston follows :math:`x = r \\cos \\varphi + \\sqrt{l^2 - r^2 \\sin^2 \\varphi}` to rounding, and without friction the energy is
+conserved.
 """
 
 import matplotlib.pyplot as plt
@@ -39,4 +40,4 @@ right.plot(recording.t[1:], speeds, color="C1")
 right.set(xlabel="time (s)", ylabel="speed of the shaft (rad/s)")
 print(f"piston within {abs(x - exact).max():.0e} m of the formula")
 kinetic = recording.derived["kinetic energy"]
-print(f"energy within {abs(kinetic / kinetic[0] - 1).max():.0e} of itself")
+print(f"largest relative error of the energy {abs(kinetic / kinetic[0] - 1).max():.0e}")

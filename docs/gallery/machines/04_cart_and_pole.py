@@ -2,8 +2,9 @@
 A pole on a cart
 ================
 
-A pole stands on a cart, and a controller that knows angle, place and their rates pushes the cart so that it stays up. The gains
-are the linear-quadratic regulator's, from SciPy's solution of Riccati's equation for the linearised cart. Pushed hard after 4 s, it recovers.
+A pole stands on a cart, and a controller that knows its angle, the cart's position and their rates pushes the cart so that it
+stays up. The gains are the linear-quadratic regulator's, from SciPy's solution of Riccati's equation for the linearised cart.
+Pushed hard after 4 s, it recovers.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 A robot arm draws a circle
 ==========================
 
-Three hinges and springs with dampers in them, whose targets follow the inverse kinematics of a circle. The tip follows with the error that
-springs need to carry the arm's weight; stiffer ones follow closer, and no stiffness is unstable.
+Three hinges and springs with dampers in them, whose targets follow the inverse kinematics of a circle. The tip follows with the
+error that springs need to carry the arm's weight; stiffer ones follow closer, and no stiffness is unstable.
 """
 
 import matplotlib.pyplot as plt
@@ -38,6 +38,6 @@ for stiffness in (200, 1000, 5000):
     way, wanted = np.array(way), np.array(wanted)
     ax.plot(*way[400:].T, label=f"{stiffness} N m/rad")
     print(f"{stiffness} N m/rad: {1e3 * np.linalg.norm(way - wanted, axis=1)[400:].max():.1f} mm off at most")
-ax.plot(*wanted[400:].T, "k:", label="wanted")
+ax.plot(*wanted[400:].T, "k:", label="target")
 ax.set(aspect="equal", xlabel="x (m)", ylabel="z (m)")
 ax.legend(fontsize=8)

@@ -2,8 +2,8 @@
 Three methods of Euler
 ======================
 
-One orbit, one step, and three ways to take it. The explicit method winds outwards, the implicit one inwards, and the semi-implicit
-one, which takes the new velocity for the new place, stays: its error of the energy swings, and does not grow.
+One orbit, one step, and three ways to take it. The explicit method winds outwards, the implicit one inwards, and the
+semi-implicit one, which computes the new position with the new velocity, stays: its energy error oscillates and does not grow.
 """
 
 import matplotlib.pyplot as plt

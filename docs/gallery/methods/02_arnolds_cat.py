@@ -2,8 +2,9 @@
 What becomes of an area
 =======================
 
-A pendulum's states, of angle and speed. A disk of them, drawn after 4 and 8 units of time: the motion stretches it and leaves its area.
-The semi-implicit Euler method and Verlet's leave it as well, step by step; the explicit method makes it larger, the implicit one smaller.
+A pendulum's states, of angle and speed. A disk of them, drawn after 4 and 8 units of time: the motion stretches it and
+conserves its area. So do the semi-implicit Euler method and Verlet's, step by step; the explicit method enlarges it, and the
+implicit one shrinks it.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 What is conserved instead of the energy
 =======================================
 
-Verlet's method swings in its energy, because what it conserves is another function near it: a series in the step, by Baker, Campbell and
-Hausdorff. With each term that is added, less is left of the swing.
+The energy of Verlet's method oscillates, because what the method conserves is another function close to it: a series in the
+step, by Baker, Campbell and Hausdorff. Each further term leaves less of the oscillation.
 """
 
 import matplotlib.pyplot as plt
@@ -18,6 +18,6 @@ for order in (0, 2, 4):
     swing = abs(values - values.mean())
     name = "energy" if order == 0 else f"with terms to h^{order}"
     ax.semilogy(sol.t, swing, linewidth=0.9, label=name)
-    print(f"{name}: swings by {values.max() - values.min():.1e}")
+    print(f"{name}: oscillates by {values.max() - values.min():.1e}")
 ax.set(xlabel="t", ylabel="distance from the mean", ylim=(1e-10, 1))
 ax.legend(loc="lower right")

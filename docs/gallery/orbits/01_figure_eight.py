@@ -27,3 +27,4 @@ for body in range(3):
 ax.set(aspect="equal", xlabel="x", ylabel="y")
 print(f"largest distance from the start after 100 periods: {abs(sol.x[-1] - sol.x[0]).max():.1e}")
 print(f"largest relative error of the energy: {kd.analysis.largest_energy_error(sol):.1e}")
+kd.solve(three, (0.0, 3 * period), step=period / 400, method="blanes-moan-srkn11b").show()

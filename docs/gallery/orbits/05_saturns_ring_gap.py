@@ -2,11 +2,10 @@
 A gap in Saturn's rings
 =======================
 
-Cassini's division begins 117,500 km from the centre of Saturn, next to where a particle goes around twice while the moon
-Mimas goes around once. Mimas has 7 hundred-millionths of Saturn's mass, and yet it takes particles there out of their
-circles, by 50 km in eight years, because its pull comes again and again at the same place. (Saturn is a point
-here. Its flattening shifts the resonance outwards by some hundred kilometres, and collisions, which open the gap in
-the end, are left out.)
+Cassini's division begins 117,500 km from the centre of Saturn, next to where a particle goes around twice while the moon Mimas
+goes around once. Mimas has 7 hundred-millionths of Saturn's mass, and yet it takes particles there out of their circles, by 50
+km in eight years, because its pull comes again and again at the same place. (Saturn is a point here. Its flattening shifts the
+resonance outwards by some hundred kilometres, and collisions, which open the gap in the end, are left out.)
 """
 
 import matplotlib.pyplot as plt
@@ -36,5 +35,5 @@ ax.axvline(resonance / 1e3, color="grey", linewidth=0.8, label="half of Mimas' p
 ax.axvspan(117.5, 122.2, color="C1", alpha=0.15, label="Cassini's division")
 ax.set(xlabel="distance from Saturn (1000 km)", ylabel="radial excursion (km)", xlim=(112, 122))
 ax.legend()
-print(f"resonance at {resonance:.0f} km; largest way {swing.max():.0f} km, at {axes[swing.argmax()]:.0f} km")
+print(f"resonance at {resonance:.0f} km; largest excursion {swing.max():.0f} km, at {axes[swing.argmax()]:.0f} km")
 print(f"median of all: {np.median(swing):.0f} km")

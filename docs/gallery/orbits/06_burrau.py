@@ -3,8 +3,8 @@ Burrau's three bodies
 =====================
 
 Three bodies of masses 3, 4 and 5 begin at rest in the corners of a right-angled triangle (Burrau 1913). They meet again and
-again, until at t = 60 the lightest leaves, and the other two go away as a close pair (Szebehely and Peters 1967). Close passages
-need steps that follow their errors; the last digits of the pair's way are the result of all passages before.
+again, until at t = 60 the lightest leaves, and the other two go away as a close pair (Szebehely and Peters 1967). Close
+passages need steps controlled by their error, and each passage magnifies the errors of those before.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,9 @@
 A swing past Jupiter
 ====================
 
-A probe comes from the Earth's orbit, on an ellipse that would lead it back. It passes behind Jupiter, as near as Voyager 1 did in 1979, 4.9
-of its radii, and is turned forwards. Seen from Jupiter it leaves as fast as it came; seen from the Sun it has gained so much that it
-never comes back. It is computed from the middle to both sides, as time may run backwards.
+A probe comes from the Earth's orbit, on an ellipse that would lead it back. It passes behind Jupiter, as near as Voyager 1 did
+in 1979, 4.9 of its radii, and is turned forwards. Seen from Jupiter it leaves as fast as it came; seen from the Sun it has
+gained so much that it never comes back. The run starts in the middle and goes both ways, since time may run backwards.
 """
 
 import matplotlib.pyplot as plt

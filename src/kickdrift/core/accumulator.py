@@ -1,8 +1,8 @@
-"""What compiled functions get as `out` where their results are added up as they are written.
+"""Arrays `out` of compiled functions whose elements are added to a sum as they are written.
 
 An *accumulator* stands for an array: ``out[i] = value`` adds h times the value to element i of another one, with a plain or a
-compensated sum, or counts how often element i is written. Nothing can be read from it. So a force moves the velocities in
-one pass over memory, which otherwise takes two and an array of accelerations.
+compensated sum, or counts how often element i is written. Nothing can be read from it. A force can thus update the velocities
+in one pass over memory instead of two and an array of accelerations.
 """
 
 import operator
@@ -15,7 +15,7 @@ from numba.extending import intrinsic, lower_builtin, lower_getattr, models, reg
 
 
 class Accumulator(types.Type):  # type: ignore[misc]
-    """The type of one: the types of what it is made of, see `added_to`."""
+    """The type of an accumulator, given by the types of its members, see `added_to`."""
 
     def __init__(self, values: Any, h: Any, factors: Any, residual: Any) -> None:
         self.values, self.h, self.factors, self.residual = values, h, factors, residual
@@ -31,10 +31,10 @@ class _Model(models.StructModel):  # type: ignore[misc]
 
 @intrinsic  # type: ignore[untyped-decorator]
 def added_to(typing_context: Any, values: Any, h: Any, factors: Any, residual: Any) -> Any:
-    """Make an accumulator that adds h times what is written to `values`, or one each time if h is None.
+    """Make an accumulator that adds h times each value written to `values`, or 1.0 if h is None.
 
-    What is written is multiplied by `factors`, an array, or None. The `residual` is an array of what the sums have rounded
-    off so far, or None.
+    Values are multiplied by `factors`, an array, or None. The `residual` is an array of the rounding errors of the sums so far,
+    for compensated summation, or None.
     """
     made = Accumulator(values, h, factors, residual)
 
@@ -90,7 +90,7 @@ class _Written(AbstractTemplate):  # type: ignore[misc]
 @lower_builtin(operator.setitem, Accumulator, types.Integer, types.Float)  # type: ignore[untyped-decorator]
 @lower_builtin(operator.setitem, Accumulator, types.BaseTuple, types.Float)  # type: ignore[untyped-decorator]
 def _add(context: Any, builder: Any, own_signature: Any, arguments: Any) -> Any:
-    from numba.np.arrayobj import basic_indexing  # 20 ms, for those who compile
+    from numba.np.arrayobj import basic_indexing  # takes 20 ms, and is needed only to compile
 
     out, index, _ = own_signature.args
     indices, each = [arguments[1]], [index]

@@ -1,7 +1,7 @@
-"""Files of ours: one ``.npz`` of plain arrays and one JSON text, which NumPy alone can open. No pickle.
+"""The file format of kickdrift: an ``.npz`` of plain arrays and one JSON text, which NumPy alone can open. No pickle.
 
-The JSON text names the format and carries a digest of everything else, so that a file that was changed or damaged is
-found before anybody relies on it.
+The JSON text names the format and contains a digest of everything else, so that a changed or damaged file is detected when it
+is read.
 """
 
 import hashlib
@@ -30,8 +30,9 @@ ENSEMBLE = "kickdrift ensemble 2"
 CHECKPOINT = "kickdrift checkpoint 1"
 
 _HEADER = "header"
-_LARGE, _MOST_TIMES = 1 << 30, 100  # bytes in memory from which on they may be so many times those on disk
-# What NumPy, zip and JSON raise on files that are damaged or not ours.
+# Archives of more than _LARGE bytes in memory are refused if that is more than _MOST_TIMES their size on disk.
+_LARGE, _MOST_TIMES = 1 << 30, 100
+# Exceptions of NumPy, zip and JSON on files that are damaged or foreign.
 _FOREIGN = (
     *(ArithmeticError, AttributeError, EOFError, LookupError, MemoryError, NotImplementedError, RecursionError),
     *(RuntimeError, SyntaxError, TypeError, ValueError, zipfile.BadZipFile, zlib.error, tokenize.TokenError),
@@ -44,12 +45,12 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays, compresse
     Parameters
     ----------
     path : path
-        Where; ``.npz`` is appended where it is missing. The folder must exist.
+        ``.npz`` is appended if it is missing. The folder must exist.
     header : mapping
         JSON data; under "format" the name of the format.
     arrays : mapping of str to array
     compressed : bool
-        Whether to take less room and ten times as long.
+        Whether to compress, which takes ten times as long.
 
     Returns
     -------
@@ -69,7 +70,7 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays, compresse
             if compressed:
                 with partial.open("wb") as file:
                     np.savez_compressed(file, allow_pickle=False, **members)
-            if not compressed or _is_swollen(partial.open("rb")):  # which no one would read
+            if not compressed or _is_swollen(partial.open("rb")):  # `read` would refuse it
                 with partial.open("wb") as file:
                     np.savez(file, allow_pickle=False, **members)
     except OSError as error:
@@ -95,15 +96,15 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
     ----------
     path : path
     what, writer : str
-        What it should be, and who writes such files, for errors.
+        Name of the format, and function that writes it, for errors.
     assemble : callable
-        Makes what is wanted of header and arrays. What it raises of `LookupError`, `TypeError`, `ValueError` and the
-        like says that the file is not what it should be.
+        Makes the object from header and arrays. `LookupError`, `TypeError`, `ValueError` and the like mean that the file is
+        not of this format.
 
     Raises
     ------
     FileFormatError
-        If there is no such file, or it is not what it should be.
+        If there is no such file, or it is of another format, changed or damaged.
     """
     try:
         if _is_swollen(opened(path)):
@@ -133,14 +134,14 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
 
 
 def format_of(path: str | Path) -> str:
-    """Return the format that a file names, or an empty text where it names none or cannot be read; `read` says why."""
+    """Return the format that a file names; an empty text if it names none or cannot be read."""
     with suppress(OSError, *_FOREIGN), opened(path) as handle, np.load(handle, allow_pickle=False) as file:
         return str(json.loads(str(file[_HEADER]))["format"])
     return ""
 
 
 def _is_swollen(file: BinaryIO) -> bool:
-    """Whether an archive says that it takes much memory for what it takes on disk; close the file."""
+    """Whether an archive would take far more memory than its size on disk, as decompression bombs do; close the file."""
     with file, suppress(*_FOREIGN), zipfile.ZipFile(file) as members:
         size = sum(member.file_size for member in members.infolist())
         return size > max(_LARGE, _MOST_TIMES * os.fstat(file.fileno()).st_size)

@@ -1,4 +1,4 @@
-"""What users give, as numbers: real ones, none of which is lost or made up."""
+"""Conversion of users' arguments to real numbers, without loss."""
 
 from typing import Any
 
@@ -9,9 +9,8 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.units import has_unit
 
 Floats = NDArray[np.float64]
-_NO_NUMBERS = (
-    "cSUMmV"  # kinds of dtypes: complex numbers would lose their imaginary parts, texts and dates become numbers
-)
+# Kinds of dtypes that are refused: complex numbers would lose their imaginary parts, texts and dates would become numbers.
+_NO_NUMBERS = "cSUMmV"
 
 
 def reals(value: Any) -> Floats:
@@ -27,11 +26,11 @@ def reals(value: Any) -> Floats:
     try:
         given = np.asarray(value)
         if given.dtype.kind == "O" and any(member is None for member in given.flat):
-            raise TypeError("it holds None")  # of which NumPy makes a NaN
+            raise TypeError("it holds None")  # which NumPy converts to NaN
         if given.dtype.kind not in _NO_NUMBERS:
             return np.array(given, dtype=np.float64, order="C")
         why = "it is complex" if given.dtype.kind == "c" else f"it holds {given.dtype.name}"
-    except Exception as error:  # of objects of all sorts
+    except Exception as error:  # conversion of arbitrary objects may raise anything
         why = str(error)
     raise TypeError(why)
 
@@ -52,7 +51,7 @@ def real(value: Any) -> float:
 
 
 def choice(argument: str, value: Any) -> bool:
-    """Return True or False; ArgumentError for anything else, which might be meant as the other one."""
+    """Return True or False; ArgumentError for anything else, such as "no", which Python takes for True."""
     if not isinstance(value, bool | np.bool_):
         raise ArgumentError(f"{argument}={value!r} must be True or False.")
     return bool(value)

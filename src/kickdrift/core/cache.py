@@ -1,9 +1,9 @@
-"""Compiled code on disk: one file for each function and types of arguments, named after all that it was made of.
+"""Compiled code on disk: one file for each function and types of arguments, named by a digest of everything that it depends on.
 
-Numba's own cache asks only whether the file that holds a function has changed, and goes on using code into which
-functions of other files were inlined as they used to be; and where several processes fill it at once, it may take one
-signature's code for another's (Numba's issues 4807 and 10128). Here a name tells apart whatever the code depends on: the
-function, all functions and constants that it uses, the types of its arguments, the processor and Numba's version.
+Numba's own cache checks only whether the source file of a function has changed, and goes on using code into which old versions
+of functions of other files were inlined; and where several processes fill it at once, it may use the code of one signature for
+another (Numba's issues 4807 and 10128). Here the name depends on the function, all functions and constants that it uses, the
+types of its arguments, the processor and Numba's version.
 """
 
 import pickle
@@ -29,14 +29,14 @@ _HASHES = b"_numba_hashsecret"  # in the code of dictionaries and sets of texts
 
 
 class Cache:
-    """What Numba asks for compiled code of a function before it compiles it, and gives it to afterwards."""
+    """The cache of one function: Numba loads compiled code from it, or saves what it has compiled."""
 
     def __init__(self, function: _Function, kind: str, options: dict[str, Any]) -> None:
         self._function, self._kind, self._options = function, kind, options
 
     @cached_property
     def _method(self) -> Any:
-        """How results are packed, and where they go; None where Numba finds no folder that it can write to."""
+        """Numba's serialiser, with the folder of the cache; None where Numba finds no folder that it can write to."""
         try:
             return CompileResultCacheImpl(self._function)
         except RuntimeError:
@@ -48,25 +48,25 @@ class Cache:
         return None if self._method is None else str(self._method.locator.get_cache_path())
 
     def holds(self, signature: Any, target: Any) -> bool:
-        """Whether there is code for a signature."""
+        """Whether there is compiled code for a signature."""
         return self._method is not None and self._file(signature, target).exists()
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return what was compiled for a signature, or None."""
+        """Return the compiled code for a signature, or None."""
         if self._method is None:
             return None
         rtsys.initialize(target)  # `target.refresh` would import all of Numba, and SciPy: half a second
         try:
             content = sealed.read(self._file(signature, target))
             if _HASHES in content:
-                import_module("numba.cpython.hashing")  # defines what they use, in 30 ms
+                import_module("numba.cpython.hashing")  # defines the symbol, in 30 ms
             packed = pickle.loads(content)  # noqa: S301 - as Numba's own cache
             return self._method.rebuild(target, packed)
         except Exception:
             return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep what was compiled for a signature, in the place of what was compiled of older sources."""
+        """Save the compiled code for a signature, and remove that of older sources."""
         if self._method is None or not self._method.check_cachable(result):
             return
         file = self._file(signature, result.target_context)
@@ -76,13 +76,13 @@ class Cache:
             self._make_room(file)
 
     def _make_room(self, file: Path) -> None:
-        """Remove what was compiled of older sources than a file."""
+        """Remove the files that were compiled from other sources."""
         for older in file.parent.glob(f"{file.stem.rpartition('-')[0]}-*.nbc"):
             if older != file:
                 older.unlink()
 
     def flush(self) -> None:
-        """Forget all that was kept of the function."""
+        """Remove all files of the function."""
         if self._method is not None:
             for file in Path(str(self.cache_path)).glob(f"{self._method.filename_base}-{self._kind}-*.nbc"):
                 file.unlink(missing_ok=True)
@@ -94,8 +94,8 @@ class Cache:
 
 
 def machine(target: Any) -> tuple[Any, ...]:
-    """Return what compiled code depends on beside the function."""
-    return _machine(target.codegen())  # of which there is one, while each function may have a target of its own
+    """Return what else compiled code depends on: the processor and the versions of LLVM and Numba."""
+    return _machine(target.codegen())  # there is one, while each function may have a target of its own
 
 
 @cache
@@ -110,7 +110,7 @@ def fingerprint(function: _Function) -> str:
 
 
 def reached(function: _Function) -> list[_Function]:
-    """Return a function and all that it uses as compiled code does, each once, in the order in which they are found."""
+    """Return a function and all functions that its compiled code uses, each once, in the order in which they are found."""
     found: dict[int, _Function] = {}
     waiting = [function]
     while waiting:
@@ -128,7 +128,7 @@ def _described(function: _Function) -> tuple[Any, ...]:
 
 
 def _used(function: _Function) -> Iterator[Any]:
-    """Values of the global names in a function and its inner ones, those in modules, of its closure and its defaults."""
+    """Yield all values that a function and its inner functions use: globals, attributes of modules, closure and defaults."""
     names: list[str] = []
     waiting = [function.__code__]
     while waiting:
@@ -148,7 +148,7 @@ def _used(function: _Function) -> Iterator[Any]:
 
 
 def _function_of(value: Any) -> Any:
-    """Return the Python function of a compiled one, or of an intrinsic of ours."""
+    """Return the Python function of a compiled function or an intrinsic, unless it is Numba's or NumPy's."""
     function = getattr(value, "py_func", None) or getattr(value, "_defn", None) or value
     ours = isinstance(function, types.FunctionType) and function.__module__.partition(".")[0] not in ("numba", "numpy")
     return function if ours else None
@@ -160,7 +160,7 @@ def _code(code: types.CodeType) -> tuple[Any, ...]:
 
 
 def written(value: Any) -> str:
-    """Write down a constant so that it is the same in every process."""
+    """Return a text for a constant that is the same in every process."""
     if isinstance(value, bool | int | float | complex | str | bytes | np.generic | numba.types.Type | None):
         return repr(value)
     if isinstance(value, tuple | list):

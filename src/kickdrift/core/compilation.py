@@ -6,8 +6,8 @@ Every compiled function of kickdrift goes through `compiled` or `specialise`. Fl
   loop with an early exit is never vectorised.
 - ``nogil``: progress bars and Ctrl-C need the interpreter.
 - No fast mathematics by default: a compiled loop gives the bits of the same loop in NumPy. ``fast=True`` lets the
-  compiler reorder sums and fuse multiplications, for kernels whose rounding no one promises. It never assumes that
-  there is no NaN, so that a run can see one.
+  compiler reorder sums and fuse multiplications, for kernels whose rounding is not specified. It never assumes that
+  there is no NaN, so that a run can detect one.
 """
 
 import types
@@ -55,9 +55,9 @@ def compiled(
     """Compile a function on first use with the flags of this module; a decorator, with or without arguments.
 
     ``inline`` forces the function into its callers: for the small steps of a hot loop. ``checked`` raises IndexError
-    where an index is out of bounds, which compiled code otherwise does not see. Code of a `users` function is kept with
-    that of other users' functions. `options` are Numba's own, which override the others. The interpreter calls the
-    function by ``through(function, *arguments)``, if given, instead of having a wrapper compiled.
+    where an index is out of bounds, which compiled code otherwise does not detect. With `users`, compiled code is stored with
+    that of other functions of users. `options` are Numba's own and override the others. If `through` is given, the interpreter
+    calls ``through(function, *arguments)``, and no wrapper is compiled.
     """
     flags = {
         "error_model": "numpy",
@@ -87,14 +87,14 @@ def compiled(
 
 
 def load(function: Function, signature: Any) -> None:
-    """Compile what the interpreter calls as a function with such arguments, or take it from disk; call nothing."""
+    """Compile the entry point of a function for the interpreter, or load it from disk, without calling it."""
     dispatcher: Any = function
     if hasattr(dispatcher, "load"):
         dispatcher.load(signature)
 
 
 def is_on_disk(function: Function, signature: Any) -> bool:
-    """Whether a function need not be compiled for a signature, because it is on disk or was compiled in this process."""
+    """Whether compiled code for a signature is on disk, or was made in this process."""
     dispatcher: Any = function
     compiled_here = tuple(signature.args) in dispatcher._wholes
     return compiled_here or (
@@ -108,7 +108,7 @@ def specialise(template: Function, name: str, **bindings: Any) -> Function:
     A template such as ``kick`` calls the global name ``acceleration``; each system gets its own copy, into which the
     compiler inlines that system's acceleration. A closure would do the same, but Numba finds closures over compiled
     functions again only in the process that made them; a copy with bound globals is cached on disk under its `name`,
-    which therefore has to tell apart whatever the bindings tell apart.
+    which must therefore differ for different bindings.
     """
     function = types.FunctionType(template.__code__, {**template.__globals__, **bindings}, name)
     function.__qualname__ = name
@@ -121,7 +121,7 @@ def unbound(*arguments: Any) -> Any:
 
 
 def reorders(function: Function) -> bool:
-    """Whether a compiled function, or one that it calls, may be reordered: its bits depend on where it is inlined."""
+    """Whether a compiled function, or one that it calls, has fast mathematics: its bits depend on where it is inlined."""
     seen: set[int] = set()
     waiting: list[Any] = [function]
     while waiting:
@@ -143,10 +143,10 @@ def reorders(function: Function) -> bool:
 
 
 def is_kept(function: Function) -> bool:
-    """Whether a function's compiled code is kept on disk."""
+    """Whether compiled code of a function is stored on disk."""
     return isinstance(getattr(function, "_cache", None), Cache)
 
 
 def is_users(function: Function) -> bool:
-    """Whether a function is a user's whose compiled code is kept on disk."""
+    """Whether a function is a user's, and its compiled code is stored on disk."""
     return isinstance(getattr(function, "_cache", None), UsersCache)

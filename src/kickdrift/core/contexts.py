@@ -1,7 +1,6 @@
-"""What Numba knows of types and of how to write code for them, and remembers once it has found it.
+"""Numba's typing and target contexts, with caches for resolved types and implementations.
 
-Numba asks all templates of an operator for the type of a sum as often as there is one, and looks for new ones whenever it
-begins with a function.
+Numba tries all templates of an operator at each use, and searches for new registrations at the beginning of each function.
 """
 
 import copy
@@ -17,12 +16,12 @@ _MOST_KNOWN = 20_000  # of 0.5 kB each; a world with joints makes a third of the
 
 
 class Typing(Context):  # type: ignore[misc]
-    """Finds types of calls and of operators once for types of arguments, not at each place."""
+    """Resolves calls and operators once for each combination of argument types, not at each use."""
 
     known: dict[Any, Any]
 
     def refresh(self) -> None:
-        """Take in what has been declared since."""
+        """Install declarations made since."""
         for registry in tuple(self._registries):
             self.install_registry(registry)
 
@@ -38,7 +37,7 @@ class Typing(Context):  # type: ignore[misc]
         return signature
 
     def resolve_static_getitem(self, value: Any, index: Any) -> Any:
-        """Return the signature with which an element is read whose index is known."""
+        """Return the signature of reading an element with a constant index."""
         if type(index) is not int:
             return super().resolve_static_getitem(value, index)
         key = operator.getitem, value, index
@@ -48,17 +47,17 @@ class Typing(Context):  # type: ignore[misc]
         return signature
 
     def resolve_setitem(self, target: Any, index: Any, value: Any) -> Any:
-        """Return the signature with which an element is written."""
+        """Return the signature of writing an element."""
         return self.resolve_function_type(operator.setitem, (target, index, value), {})
 
     def _keep(self, key: Any, signature: Any) -> None:
         if len(self.known) >= _MOST_KNOWN:
-            self.known.clear()  # in a long session most are of functions that have gone
+            self.known.clear()  # in a long session most belong to functions that no longer exist
         self.known[key] = signature
 
 
 def _depends_on_types_alone(function: Any) -> bool:
-    """Whether the signature of a call does: not of a method, which may tell what the elements of a list are."""
+    """Whether the signature of a call depends on types alone: not that of a method, which may determine a list's elements."""
     if isinstance(function, types.Dispatcher):
         return hasattr(function.dispatcher, "load")
     return isinstance(function, types.Function) or function in _ITERATION or not isinstance(function, types.Type | str)
@@ -68,30 +67,28 @@ _ITERATION = ("getiter", "iternext")
 
 
 class Target(CPUContext):  # type: ignore[misc]
-    """Knows a function of the compiler's as soon as it has been found for a signature."""
-
-    found: dict[Any, Any]
+    """A target context that passes on results of calls as they are where they need no conversion."""
 
     def refresh(self) -> None:
-        """Take in what has been implemented since."""
+        """Install implementations made since."""
         for registry in tuple(self._registries):
             self.install_registry(registry)
         self.typing_context.refresh()
 
     def get_returned_value(self, builder: Any, ty: Any, val: Any) -> Any:
-        """Return what a call has returned, as a value."""
+        """Convert the result of a call to a value."""
         model = self.data_model_manager[ty]
         return val if model.get_return_type() == model.get_value_type() else model.from_return(builder, val)
 
     def get_return_value(self, builder: Any, ty: Any, val: Any) -> Any:
-        """Return a value as a call returns it."""
+        """Convert a value to the result of a call."""
         model = self.data_model_manager[ty]
         return val if model.get_return_type() == model.get_value_type() else model.as_return(builder, val)
 
 
 @cache
 def own_typing(typing: Any) -> Typing:
-    """Return what Numba's context knows, and goes on learning, with a memory."""
+    """Return a copy of Numba's typing context that shares its registries and caches resolved types."""
     typing.refresh()
     own: Typing = copy.copy(typing)
     own.__class__, own.known = Typing, {}
@@ -100,7 +97,7 @@ def own_typing(typing: Any) -> Typing:
 
 @cache
 def own_target(typing: Any, target: Any) -> Target:
-    """Return what Numba's context knows, and goes on learning."""
+    """Return a copy of Numba's target context that shares its registries."""
     target.refresh()
     own: Target = copy.copy(target)
     own.__class__, own.typing_context = Target, own_typing(typing)

@@ -1,4 +1,4 @@
-"""Compiled functions: what of Numba's is done otherwise, so that compiling is three times as fast and kept on disk."""
+"""Numba's dispatcher with changes that make compiling three times as fast, and a cache on disk."""
 
 import gc
 import sys
@@ -23,14 +23,14 @@ Function = Callable[..., Any]
 
 
 class _Flags(Flags):  # type: ignore[misc]
-    """Flags of the compiler that are quickly compared: Numba looks up by them what it knows, for each operation again."""
+    """Compiler flags with a fast comparison: Numba uses them as keys of its caches, for each operation."""
 
     def __eq__(self, other: object) -> Any:
-        """Whether the same is set in both."""
+        """Whether the same flags are set in both."""
         return self._values == other._values if isinstance(other, _Flags) else super().__eq__(other)
 
     def __hash__(self) -> int:
-        """Return what all flags have in common."""
+        """Return the same number for all flags: there are too few to need more."""
         return _ANY_FLAGS
 
 
@@ -38,14 +38,14 @@ _ANY_FLAGS = hash(Flags())
 
 
 class _Compiler(_FunctionCompiler):  # type: ignore[misc]
-    """Compiles to parts, which others are linked with; loops on threads as Numba does, since they run while they compile."""
+    """Compiles functions to parts, with which callers are linked; parallel loops, which need code that runs, as Numba does."""
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
         if (tell := _told.get()) is not None:
             tell()
         if self.targetoptions["parallel"]:
             return super()._compile_core(args, return_type)
-        from kickdrift.core.passes import Pipeline  # 0.1 s, for those who compile
+        from kickdrift.core.passes import Pipeline  # takes 0.1 s, and is needed only to compile
 
         flags = _Flags()
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
@@ -68,27 +68,26 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
 
 
 class Dispatcher(CPUDispatcher):  # type: ignore[misc]
-    """A compiled function without what most of ours have no use for, which makes compiling three times as fast.
+    """A compiled function without the features of Numba's that kickdrift rarely needs: compiling is three times as fast.
 
-    Numba compiles a function again for every integer that it is called with as a constant, with wrappers for calls
-    from Python and from C, and to machine code even if it is only ever called by other functions. Here a constant is a
-    number like any other, what compiled code calls is a part of its callers (see `kickdrift.core.linking`), and what the
-    interpreter calls is compiled with a wrapper for it when that happens for the first time.
+    Numba compiles a function again for every constant integer that it is called with, with wrappers for calls from Python
+    and from C, and to machine code even if only other compiled functions call it. Here a constant is a number like any other,
+    functions called by compiled code become parts of their callers (see `kickdrift.core.linking`), and the wrapper for the
+    interpreter is compiled at the first call from there.
     """
 
     def __init__(self, py_func: Function, variables: Any = None, targetoptions: Any = None, **more: Any) -> None:
         super().__init__(py_func, variables or {}, targetoptions, **more)
-        self._compiler.__class__ = _Compiler  # one of its own would look at the arguments again: 8 ms of the import
+        self._compiler.__class__ = _Compiler  # a new one would inspect the signature again: 8 ms of the import
         self._compiler.targetoptions = {**targetoptions, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        self.recipe: tuple[Function, tuple[Any, ...]] | None = (
-            None  # what makes it in another process, where no module has it
-        )
+        # A function and its arguments that make it in another process, if no module contains it.
+        self.recipe: tuple[Function, tuple[Any, ...]] | None = None
         self._called: Any = None
         self._wholes: dict[Any, Any] = {}
-        self._loaded: dict[int, Any] = {}  # signatures, whose hashes take 30 us
+        self._loaded: dict[int, Any] = {}  # signatures by identity, since their hashes take 30 us
 
     def __reduce__(self) -> Any:
-        """Travel to other processes by name where a module has it: Numba sends its code, without the options of intrinsics."""
+        """Pickle by name where a module contains the function: Numba pickles its code, without the options of intrinsics."""
         name = self.py_func.__qualname__
         known = getattr(sys.modules.get(self.py_func.__module__), name, None)
         return name if known is self else super().__reduce__()
@@ -98,7 +97,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         self._cache = kind(self.py_func, "inner", self.targetoptions)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Compile for the types of arguments, whatever is known of their values, as a part of a caller."""
+        """Compile as a part of a caller, for the types of the arguments, even if their values are known."""
         args = tuple(numba.types.unliteral(type_) for type_ in args)
         kws = {name: numba.types.unliteral(type_) for name, type_ in kws.items()}
         pysig, args = self._compiler.fold_argument_types(args, kws)
@@ -108,14 +107,14 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         return template, pysig, args, {}
 
     def _part(self, args: Any, return_type: Any) -> Any:
-        """Return what callers are linked with, for types of arguments."""
+        """Return the part with which callers are linked, for types of arguments."""
         if tuple(args) not in self.overloads:
             with global_compiler_lock, no_collector(), self._compiling_counter:
                 self.add_overload(self._compiler.compile(args, return_type))
         return self.overloads[tuple(args)]
 
     def compile(self, sig: Any) -> Any:
-        """Compile to machine code, or take it from disk."""
+        """Compile to machine code, or load it from disk."""
         with global_compiler_lock:
             return self._whole(sig)
 
@@ -134,26 +133,26 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         self._wholes[tuple(args)] = result
 
     def get_compile_result(self, sig: Any) -> Any:
-        """Return what was compiled for a signature, and compile it first if need be."""
+        """Return the compiled code for a signature; compile it first if necessary."""
         self.compile(sig)
         return self._wholes[tuple(normalize_signature(sig)[0])]
 
     def add_overload(self, result: Any) -> None:
-        """Keep what was compiled for other compiled code; the interpreter cannot call it."""
+        """Keep a part for other compiled code; the interpreter cannot call it."""
         self.overloads[tuple(result.signature.args)] = result
 
     def load(self, sig: Any) -> None:
-        """Compile what the interpreter calls for a signature, or take it from disk."""
+        """Compile the entry point that the interpreter calls for a signature, or load it from disk."""
         if id(sig) in self._loaded:
             return
         caller, args = self._caller(), tuple(normalize_signature(sig)[0])
         if args not in caller.overloads:
             caller.compile(args)
             self._insert_new(caller, [args])
-            self._loaded[id(sig)] = sig  # and no equal one, of which there may be any number
+            self._loaded[id(sig)] = sig  # equal signatures are not kept: there may be any number of them
 
     def _caller(self) -> Any:
-        """Return the function as Numba compiles it for the interpreter."""
+        """Return Numba's own dispatcher of the function, for the interpreter."""
         if self._called is None:
             self._called = CPUDispatcher(self.py_func, self.locals, {**self.targetoptions, "no_cfunc_wrapper": True})
             if isinstance(self._cache, Cache):
@@ -166,7 +165,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
             self._insert([type_._code for type_ in types_], result.entry_point, result.objectmode)
 
     def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
-        """Return what the interpreter calls for types of arguments that are new, now and from now on."""
+        """Compile, register and return the entry point for types of arguments that are new."""
         caller = self._caller()
         before = len(caller.overloads)
         entry = caller._compile_for_args(*args, **kws)
@@ -188,7 +187,7 @@ class Addressed(Dispatcher):
 
 @contextmanager
 def no_collector() -> Iterator[None]:
-    """Pause the garbage collector, which takes a tenth of the time of compiling to find what is gone soon anyway."""
+    """Pause the garbage collector, which takes a tenth of the time of compiling and finds next to nothing."""
     collects = gc.isenabled()
     gc.disable()
     try:
@@ -203,7 +202,7 @@ _told: ContextVar[Function | None] = ContextVar("_told", default=None)
 
 @contextmanager
 def told_of_compiling(tell: Function) -> Iterator[None]:
-    """Have a function called whenever one is compiled."""
+    """Call `tell` whenever a function is compiled."""
     before = _told.set(tell)
     try:
         yield

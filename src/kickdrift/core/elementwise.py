@@ -1,6 +1,6 @@
-"""Operations on arrays in place: whole arrays for the interpreter, loops for the compiler.
+"""Operations on arrays in place: on whole arrays in the interpreter, as loops in compiled code.
 
-Numba compiles a loop ten times as fast as its general assignment to a slice, which broadcasts and words its own error.
+Numba compiles a loop ten times as fast as its general assignment to a slice, which broadcasts and formats errors.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""Files that users and strangers name: opened if they are files, written whole or not at all."""
+"""Reading and writing of files named by users: only regular files are opened, and files are written whole or not at all."""
 
 import errno
 import os
@@ -18,7 +18,7 @@ def opened(path: str | Path) -> BinaryIO:
     Raises
     ------
     OSError
-        If it cannot be read, or is no file: a pipe would be waited for, and a device have no end.
+        If it cannot be read, or is not a regular file: reading a pipe could wait for ever, and a device has no end.
     """
     descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     try:
@@ -31,14 +31,14 @@ def opened(path: str | Path) -> BinaryIO:
 
 @contextmanager
 def written(target: Path) -> Iterator[Path]:
-    """Give an empty file beside another one, which becomes that one at the end, with its mode; after an error it is gone.
+    """Yield an empty temporary file, which replaces `target` at the end and takes its mode; after an error it is removed.
 
-    Its name is random, and ends as that of the other does.
+    It is in the same folder, under a random name with the same suffix.
 
     Raises
     ------
     OSError
-        If there can be no file, or the path is not a regular file.
+        If no file can be created there, or the path is not a regular file.
     """
     mode = None
     with suppress(FileNotFoundError):

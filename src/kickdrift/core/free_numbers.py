@@ -16,7 +16,7 @@ _FREE, _PASSED = "__free_numbers__", "__passed_numbers__"
 
 
 def numbers_as_arguments(function: Any, names: Collection[str], callees: Mapping[str, Collection[str]]) -> None:
-    """Have compiled code of a function take some of its globals and free variables as arguments of their names.
+    """Mark a function whose compiled code is to take some of its globals and free variables as arguments of their names.
 
     An argument with a default, of these names, loses it. The compiled functions among its `callees` get the arguments of
     the names given there, which the function has itself as ``callee__name``. The interpreter is told nothing.
@@ -38,7 +38,7 @@ def _plain(parameter: inspect.Parameter, needed: bool) -> inspect.Parameter:
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class GlobalsAsArguments(FunctionPass):  # type: ignore[misc]
-    """Reads an argument where the function reads a global or a free variable."""
+    """Replaces globals and free variables of a function by arguments."""
 
     _name = "kickdrift_globals_as_arguments"
 

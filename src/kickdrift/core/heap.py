@@ -12,7 +12,7 @@ _LARGEST = 32 << 20  # bytes of an array that is taken from them; more is not al
 
 @cache
 def keep_freed_memory() -> None:
-    """Have arrays of up to 32 MB allocated from memory that was used before, where the C library can be told to.
+    """Make the C library reuse freed memory for arrays of up to 32 MB, where it has such a setting.
 
     glibc gives the memory of large arrays back to the system as soon as they are freed. A force that makes a few in each
     step waits for new pages of them in each step: Lennard-Jones by broadcasting on 125 atoms takes 0.8 to 1.4 ms, as in

@@ -1,4 +1,4 @@
-"""Ctrl-C that waits until what must not be left half done is whole."""
+"""Deferred handling of Ctrl-C, for operations that must not be left half done."""
 
 import signal
 import threading
@@ -9,20 +9,20 @@ _CHUNK_SECONDS = 0.1  # how long Ctrl-C waits for compiled code
 
 
 def next_chunk(steps: int, seconds: float, least: float = 0.0) -> int:
-    """Return how many steps to do before Ctrl-C is looked for again, as so many took so long; `least` seconds of them."""
+    """Return the number of steps before the next check for Ctrl-C, of at least `least` s, given the time of the last ones."""
     return max(1, min(10 * steps, int(steps * max(_CHUNK_SECONDS, least) / max(seconds, 1e-9))))
 
 
 class InterruptionNoted:
     """A context in which Ctrl-C is noted instead of raising KeyboardInterrupt.
 
-    Nothing is noted in other threads than the main one, to which Ctrl-C goes, and where nobody minds it in Python.
+    Only the main thread receives Ctrl-C: in others nothing is noted, nor where Python does not handle the signal.
 
     Parameters
     ----------
     passed_on : bool
-        Whether what was noted is done at the end: whoever minded Ctrl-C before does so then. Otherwise only the default is
-        replaced, and whoever asks for `noted` sees to it.
+        Whether the previous handler is called at the end if Ctrl-C was noted. Otherwise only the default handler is replaced,
+        and the caller checks `noted`.
     """
 
     def __init__(self, *, passed_on: bool) -> None:

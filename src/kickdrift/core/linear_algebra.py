@@ -9,8 +9,8 @@ from kickdrift.core.views import part
 Floats = NDArray[np.float64]
 
 
-_PANEL = 32  # columns that are eliminated before the columns to their right see it
-_ROWS = 4  # rows whose sums do not wait for each other
+_PANEL = 32  # columns that are eliminated before those to their right are updated
+_ROWS = 4  # rows whose sums are independent, so that none waits for another
 
 
 @compiled(inline=True)
@@ -40,7 +40,7 @@ def lu_factor(matrix: Floats, pivots: Floats) -> bool:
 
 @compiled(inline=True)
 def eliminate_panel(start: int, end: int, matrix: Floats, pivots: Floats) -> bool:
-    """Eliminate the columns from start to end, and leave those to their right but for the exchange of rows."""
+    """Eliminate the columns from start to end; those to their right are unchanged but for the exchange of rows."""
     n = pivots.size
     for k in range(start, end):
         p = k
@@ -61,7 +61,7 @@ def eliminate_panel(start: int, end: int, matrix: Floats, pivots: Floats) -> boo
 
 @compiled
 def lu_factor_panels(matrix: Floats, pivots: Floats) -> bool:
-    """Do the same for many columns, with the same bits, in panels that stay in cache.
+    """Factor a matrix of many columns as `lu_factor` does, with the same bits, in panels that stay in cache.
 
     Ten times as fast for n = 2000.
     """
@@ -123,7 +123,7 @@ def lu_solve(matrix: Floats, pivots: Floats, b: Floats) -> None:
 
 @compiled
 def lu_solve_many(matrix: Floats, b: Floats) -> None:
-    """Substitute forwards and back in many equations, four at a time: a sum of one waits for each of its terms."""
+    """Substitute forward and back in many equations, four at a time: the sum of a single one waits for each of its terms."""
     n = b.size
     whole = n - n % _ROWS
     for i in range(0, whole, _ROWS):
@@ -148,7 +148,7 @@ def lu_solve_many(matrix: Floats, b: Floats) -> None:
 
 @compiled
 def _subtract_products(i: int, start: int, end: int, n: int, matrix: Floats, b: Floats) -> None:
-    """Subtract what the unknowns from start to end make of four equations from i on."""
+    """Subtract the terms of the unknowns from start to end from the right-hand sides of the four equations from i on."""
     size = end - start
     first, second = part(matrix, i * n + start, size), part(matrix, (i + 1) * n + start, size)
     third, fourth = part(matrix, (i + 2) * n + start, size), part(matrix, (i + 3) * n + start, size)

@@ -1,9 +1,9 @@
-"""Libraries of compiled code that are optimised once, where all that they call has come together.
+"""Libraries of compiled code that are optimised once, after linking with everything that they call.
 
-Numba links and optimises a function with all that it calls, translates that to machine code, and then does the same for
-each of its callers, up to the one that is run. A *part* is a function as Numba wrote it, for others to be linked with; a
-*whole* is one with all its parts, optimised and translated once: a world with joints takes 38 s of processor time
-instead of 72.
+Numba links and optimises a function with everything that it calls, translates the result to machine code, and then does the
+same for each of its callers, up to the one that is run. Here a *part* is the unoptimised code of one function, with which
+callers are linked; a *whole* is a function with all its parts, optimised and translated once: a world with joints takes 38 s
+of processor time instead of 72.
 """
 
 from collections.abc import Iterator
@@ -14,24 +14,24 @@ from llvmlite.binding import parse_assembly
 from numba.core.codegen import JITCodeLibrary
 from numba.core.environment import lookup_environment
 
-# Numba's names of what counts references, and of what comes along with it.
+# Numba's functions that count references, and those that accompany them.
 _COUNTING = ("NRT_incref", "NRT_decref")
 _HARMLESS = (*_COUNTING, "NRT_MemInfo_call_dtor", "NRT_MemInfo_data_fast")
 
 
 class Part(JITCodeLibrary):  # type: ignore[misc]
-    """The code of one function, which is not run but linked."""
+    """The code of one function, which is not run but linked with its callers."""
 
-    counts = True  # references
-    fails = True  # perhaps: who calls it has to look
+    counts = True  # whether it counts references
+    fails = True  # whether it may fail, so that callers have to check its status
     _own: Any = None
 
     def finalize(self) -> None:
-        """Close it: nothing can be added any more."""
+        """Close the library: nothing can be added any more."""
         self._finalized = True
 
     def own_module(self) -> Any:
-        """Return a module of this function alone, of which each caller may have one."""
+        """Return a module of this function alone, which several callers may be linked with."""
         if self._own is None:
             self._own = self._final_module.clone()
             for function in self._own.functions:
@@ -40,7 +40,7 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
         return self._own
 
     def _get_module_for_linking(self) -> Any:
-        """Return a module with all that the function calls, for Numba's own libraries."""
+        """Return a module with everything that the function calls, for Numba's own libraries."""
         self._ensure_finalized()
         module = self.own_module().clone()
         for library in list(called(self))[1:]:
@@ -49,11 +49,11 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
 
 
 class Whole(JITCodeLibrary):  # type: ignore[misc]
-    """A function and all that it calls, ready to be run.
+    """A function and everything that it calls, ready to be run.
 
     Where nothing in it allocates, and it `returns_no_array`, all arrays are views of memory that the caller keeps, and
-    no reference is counted: a call for each view that a function takes, and another at its end, which nothing can be
-    optimised across. A step of Gauss 4 on the pendulum takes half as long without.
+    references are not counted: that takes a call for each view, and another at its end, which prevent optimisation. A step of
+    Gauss 4 on the pendulum takes half as long without.
     """
 
     def __init__(self, part: Part, returns_no_array: bool) -> None:
@@ -63,7 +63,7 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
         self._final_module.name = part._final_module.name
         uncounted = returns_no_array and not any(map(_allocates, called(part)))
         if uncounted:
-            self._final_module.link_in(_counting_nothing().clone())  # the first definition is the one that holds
+            self._final_module.link_in(_counting_nothing().clone())  # the first definition takes precedence
         for library in list(called(part))[1:]:
             self._reload_init.update(library._reload_init)
             self._final_module.link_in(_module_of(library), preserve=True)
@@ -77,11 +77,11 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
                 self.codegen.set_env(variable.name, environment)
 
     def _keep_to_itself(self) -> None:
-        """Leave no function but the one that is run for the linker to find.
+        """Hide all functions but the one that is run from the linker.
 
-        Numba numbers functions of one name again in each process. Of two that come from different ones on disk and have
-        the same number, both would run the first. ("internal" functions are found, too, by their names, and crash those
-        who find them, since their arguments may have been optimised away.)
+        Numba numbers functions of the same name in each process. Of two loaded from disk to which different processes gave the
+        same number, both would run the first. ("internal" functions are found by their names, too, and crash, since their
+        arguments may have been optimised away.)
         """
         for function in self._final_module.functions:
             shared = function.linkage.name == "linkonce_odr" or function.name in _COUNTING
@@ -89,9 +89,9 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
                 function.linkage = "private"
 
     def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
-        """Return what is kept on disk: machine code, and of what others would be linked with the names alone.
+        """Return the form stored on disk: the machine code, and the names alone of the LLVM module.
 
-        Numba asks those whether a function is there; to read all of it takes as long as all else of loading.
+        Numba only looks up in the module whether a function exists; reading all of it would double the time of loading.
         """
         name, kind, (machine_code, _) = super().serialize_using_object_code()
         defined = [f for f in self._final_module.functions if not f.is_declaration and f.linkage.name == "external"]
@@ -100,7 +100,7 @@ class Whole(JITCodeLibrary):  # type: ignore[misc]
 
 
 def called(part: Part) -> Iterator[JITCodeLibrary]:
-    """Go through a part and all libraries that it calls, each once."""
+    """Yield a part and all libraries that it calls, each once."""
     seen, waiting = set(), [part]
     while waiting:
         library = waiting.pop()
@@ -112,7 +112,7 @@ def called(part: Part) -> Iterator[JITCodeLibrary]:
 
 
 def _allocates(library: Any) -> bool:
-    """Whether a library itself may make or keep an array: whether it knows other functions of Numba's memory."""
+    """Whether a library itself may create or keep an array: whether it uses other functions of Numba's runtime."""
     names = {function.name for function in library._final_module.functions}
     return any(name.startswith("NRT_") and name not in _HARMLESS for name in names)
 

@@ -1,4 +1,4 @@
-"""Pieces of LLVM's code that Numba writes with more words."""
+"""Shorter LLVM code for structures and calls than Numba writes."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from numba.core.imputils import user_function
 
 
 class Builder(llvm.IRBuilder):  # type: ignore[misc]
-    """Takes out of a structure what was put into it."""
+    """Extracts members of structures directly from the instructions that inserted them."""
 
     def extract_value(self, agg: Any, idx: Any, name: str = "") -> Any:
         """Return a member."""
@@ -29,7 +29,7 @@ class Builder(llvm.IRBuilder):  # type: ignore[misc]
 
 
 def calling(part: Any, description: Any) -> Any:
-    """Return how a part is called: without a look at how it has ended, if it cannot fail."""
+    """Return the implementation of calls of a part; its status is not checked if it cannot fail."""
     if part.fails:
         return user_function(description, [part])
     result, arguments = description.restype, description.argtypes

@@ -1,4 +1,4 @@
-"""Folders that one run at a time works on: a lock that the system releases when its process ends, however that ends."""
+"""Locks for folders that only one run at a time may use; the system releases them when the process ends, however it ends."""
 
 import errno
 import os
@@ -10,19 +10,19 @@ from pathlib import Path
 from typing import Self
 
 _LOCKED = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
-_FAR = 1 << 30  # the byte that is locked: beyond what others read, which Windows would not let them
+_FAR = 1 << 30  # the byte that is locked: beyond the text, since Windows would forbid others to read it
 
 
 class LockedError(Exception):
-    """The lock is already held; the message tells by whom."""
+    """The lock is already held; the message names the holder."""
 
 
 class FileLock:
-    """A lock on a file, which is made for it, and gone afterwards.
+    """A lock on a file, which is created for it and removed afterwards.
 
-    It is the system's lock of a process: children that are forked do not inherit it, and a process that is killed loses it,
-    though the file stays. Threads of one process are told apart here. Where no file can be made, or the file system knows no
-    locks, there is none.
+    It is the system's lock of a process: forked children do not inherit it, and a process that is killed loses it, though the
+    file stays. Threads of one process exclude each other here. Where no file can be created, or the file system has no locks,
+    nothing is locked.
 
     Raises
     ------
@@ -56,12 +56,12 @@ class FileLock:
         self.release()
 
 
-_held: set[tuple[int, str]] = set()  # processes, for what a fork copies, and files
+_held: set[tuple[int, str]] = set()  # process and file: a fork copies this set, but not the locks
 _changing = threading.Lock()
 
 
 def _locked(path: Path) -> int | None:
-    """Return the descriptor of a file that is locked; None where there are no locks."""
+    """Return the descriptor of the locked file; None where there are no locks."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0), 0o666)
@@ -80,7 +80,7 @@ def _locked(path: Path) -> int | None:
                 os.ftruncate(descriptor, 0)
                 os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode())
             return descriptor
-        os.close(descriptor)  # who held it has removed it meanwhile
+        os.close(descriptor)  # the holder has removed it meanwhile
 
 
 def _is_still(path: Path, descriptor: int) -> bool:

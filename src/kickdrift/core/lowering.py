@@ -1,7 +1,7 @@
-"""How Numba's code becomes LLVM's, in fewer words: two thirds of what Numba writes are taken out again by LLVM.
+"""Lowering of Numba's intermediate representation to a third of the LLVM code, two thirds of which LLVM would remove again.
 
 A variable is loaded once a block. An element of a contiguous array is a load or a store, for which Numba copies the array's
-description to the stack. The code that is run is the same, but for the order of sums in functions that may change it.
+descriptor to the stack. The machine code is the same, but for the order of sums in functions with fast mathematics.
 """
 
 import operator
@@ -18,7 +18,7 @@ from numba.np.arrayobj import get_cfarray_intrinsic
 
 from kickdrift.core.llvm_builder import Builder
 
-# Functions of Numba's that are compiled, and do nothing but call an intrinsic with their first arguments.
+# Functions of Numba's that only call an intrinsic with their first arguments.
 _IN_PLACE = {carray: (get_cfarray_intrinsic("C", None), 2), min: (min_vararg, 1), max: (max_vararg, 1)}
 _ELEMENTS = (types.float64, types.int64)
 _WORD = llvm.IntType(64)
@@ -26,10 +26,10 @@ _DATA, _SHAPE = 4, 5  # fields of Numba's arrays
 
 
 class Lower(NumbaLower):  # type: ignore[misc]
-    """Writes LLVM's code of one function."""
+    """Lowers one function to LLVM."""
 
     def init(self) -> None:
-        """Begin with nothing in hand."""
+        """Begin without known values."""
         super().init()
         self._counted: dict[Any, bool] = {}
         self._at_hand: dict[Any, tuple[Any, Any, Any]] = {}
@@ -47,7 +47,7 @@ class Lower(NumbaLower):  # type: ignore[misc]
         self.library.fails = not all(_is_zero(end.return_value) for end in ends)
 
     def lower_block(self, block: Any) -> None:
-        """Write a block; errors say where."""
+        """Lower a block; errors name the place."""
         self.pre_block(block)
         for statement in block.body:
             self.loc = statement.loc
@@ -62,12 +62,12 @@ class Lower(NumbaLower):  # type: ignore[misc]
         return LoweringError(message, loc=self.loc)
 
     def incref(self, typ: Any, val: Any) -> None:
-        """Count a reference, where there is anything to count."""
+        """Increment the reference count of a value that has one."""
         if self._is_counted(typ):
             super().incref(typ, val)
 
     def decref(self, typ: Any, val: Any) -> None:
-        """Count a reference that is gone."""
+        """Decrement the reference count of a value that has one."""
         if self._is_counted(typ):
             super().decref(typ, val)
 
@@ -79,13 +79,13 @@ class Lower(NumbaLower):  # type: ignore[misc]
         return self._counted[type_]
 
     def delvar(self, name: str) -> None:
-        """End the life of a variable, which matters to what is counted only."""
+        """End the life of a variable, which matters only if it counts references."""
         if self._is_counted(self.typeof(name)) or self.generator_info:
             super().delvar(name)
             self._at_hand.pop(name, None)
 
     def loadvar(self, name: str) -> Any:
-        """Load a variable, or take the value that the block has already loaded or stored."""
+        """Load a variable, or use the value that the block has already loaded or stored."""
         if name in self._blk_local_varmap or self.generator_info:
             return super().loadvar(name)
         return self._once(name, None, lambda: super(Lower, self).loadvar(name))
@@ -93,7 +93,7 @@ class Lower(NumbaLower):  # type: ignore[misc]
     def storevar(self, value: Any, name: str, argidx: Any = None) -> None:
         """Store a variable."""
         if self.generator_info or self._is_counted(self.typeof(name)):
-            super().storevar(value, name, argidx)  # which loads what was there before
+            super().storevar(value, name, argidx)  # loads the old value, to decrement its count
             self._at_hand.pop(name, None)
             return
         if name in self._singly_assigned_vars:
@@ -104,7 +104,7 @@ class Lower(NumbaLower):  # type: ignore[misc]
         self._at_hand[name] = self.builder.block, None, value
 
     def _once(self, key: Any, of: Any, make: Any) -> Any:
-        """Return what this block has made already, of the same."""
+        """Return a value that this block has already computed from `of`, or compute it by `make`."""
         block, before, value = self._at_hand.get(key, (None, None, None))
         if block is not self.builder.block or before is not of:
             value = make()
@@ -112,11 +112,11 @@ class Lower(NumbaLower):  # type: ignore[misc]
         return value
 
     def lower_assign(self, ty: Any, inst: Any) -> Any:
-        """Write what a variable is to be; a function has no value."""
+        """Lower the right-hand side of an assignment; a function has no value."""
         return self.context.get_dummy_value() if isinstance(ty, types.Dispatcher) else super().lower_assign(ty, inst)
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
-        """Write an operation on numbers; Numba looks for special ones for each constant."""
+        """Lower an operation on numbers; Numba would search for special versions for each constant."""
         signature = self.fndesc.calltypes[expr]
         if (
             not all(isinstance(type_, types.Number | types.Boolean) for type_ in signature.args)
@@ -133,7 +133,7 @@ class Lower(NumbaLower):  # type: ignore[misc]
         return self.context.cast(self.builder, result, signature.return_type, resty)
 
     def _lower_call_normal(self, fnty: Any, expr: Any, signature: Any) -> Any:
-        """Call a function, or write what it does where that is less."""
+        """Lower a call, or the body of the function where that is shorter."""
         if getattr(fnty, "typing_key", None) is range and signature.return_type == types.range_state64_type:
             return self._range(self.fold_call_args(fnty, signature, expr.args, expr.vararg, expr.kws))
         intrinsic, count = _IN_PLACE.get(getattr(fnty, "typing_key", None), (None, 0))
@@ -146,7 +146,7 @@ class Lower(NumbaLower):  # type: ignore[misc]
         return found(self.builder, values)
 
     def _range(self, ends: list[Any]) -> Any:
-        """Return a range, as Numba describes one."""
+        """Return a range in Numba's representation."""
         start = ends[0] if len(ends) > 1 else _WORD(0)
         step = ends[2] if len(ends) > 2 else _WORD(1)
         return self._structure(types.range_state64_type, start, ends[1] if len(ends) > 1 else ends[0], step)
@@ -158,7 +158,7 @@ class Lower(NumbaLower):  # type: ignore[misc]
         return value
 
     def lower_expr(self, resty: Any, expr: Any) -> Any:
-        """Write an expression; a loop over a range whose step is known, as a count of what is left."""
+        """Lower an expression; a loop over a range with a constant step counts the iterations that are left."""
         if expr.op == "getiter" and resty == types.range_iter64_type:
             start, stop, step = (self.builder.extract_value(self.loadvar(expr.value.name), k) for k in range(3))
             if isinstance(step, llvm.Constant) and step.constant != 0:
@@ -205,7 +205,7 @@ class Lower(NumbaLower):  # type: ignore[misc]
         return self.builder.store(value, self._pointer(target_var.name, indices))
 
     def _indices(self, array: Any, index: Any) -> list[Any] | None:
-        """Return the indices of one element of a contiguous array of machine numbers; None if it is anything else."""
+        """Return the indices of one element of a contiguous array of 64-bit numbers; None for anything else."""
         array_type, index_type = self.typeof(array.name), self.typeof(index.name)
         if not isinstance(array_type, types.Array) or array_type.layout != "C" or array_type.dtype not in _ELEMENTS:
             return None
@@ -242,7 +242,7 @@ _WITH_CONSTANTS = (operator.pow, operator.ipow)
 
 
 def _is_plain(type_: Any) -> bool:
-    """Whether an argument is a number, numbers, a pointer, or left out."""
+    """Whether an argument is a number, a tuple of numbers, a pointer, or omitted."""
     members = type_ if isinstance(type_, types.BaseTuple) else (type_,)
     return all(isinstance(member, types.Number | types.Boolean | types.CPointer | types.Omitted) for member in members)
 

@@ -1,4 +1,4 @@
-"""Views of memory that cost nothing: what compiled flows and the loop pass to each other.
+"""Views of memory without cost, which compiled flows and the loop pass to each other.
 
 Passing four arrays to a function by value costs 7 ns a call (each is seven machine words); passing the address of a
 block that describes them costs 2 ns, and the views made from it vanish when the compiler inlines them.
@@ -94,7 +94,7 @@ def floats_on_stack(typing_context: Any, size: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         storage = cgutils.alloca_once(builder, ir.ArrayType(ir.DoubleType(), count))
         if count >= 8:
-            storage.align = 64  # vectors that lie across cache lines take twice as long
+            storage.align = 64  # vectors that cross cache lines take twice as long
         return builder.bitcast(storage, context.get_value_type(_FLOATS))
 
     return _FLOATS(size), generate
@@ -112,7 +112,7 @@ def arrays(block: int) -> Any:
 
 
 def small_arrays(block: int) -> Any:
-    """Do the same for a state of constants of the compilation as sizes: loops over them are unrolled."""
+    """Return the arrays as `arrays` does, with sizes known at compile time, so that loops over them are unrolled."""
     x, v, params, work = arrays(block)
     return carray(_floats_of(x), (SIZE,)), carray(_floats_of(v), (SIZE_OF_V,)), params, work
 

@@ -1,4 +1,4 @@
-"""Names of specialised functions, which tell apart what is bound into them: compiled code is kept on disk under them."""
+"""Names of specialised functions, unique to the values bound into them: compiled code is stored on disk under these names."""
 
 import hashlib
 from collections.abc import Callable
@@ -10,13 +10,13 @@ Function = Callable[..., Any]
 
 
 def digest(value: Any) -> str:
-    """Return 32 letters that tell a value apart: bytes, or what is written alike in every process."""
+    """Return a key of 32 letters for bytes, or for a value whose `repr` is the same in every process."""
     data = value if isinstance(value, bytes) else repr(value).encode()
     return hashlib.sha256(data).hexdigest()[:32]
 
 
 def specialised_name(function: Function, *details: str) -> str:
-    """Name a specialisation for `function` so that no other one, and none of changed sources, is taken for it."""
+    """Return a name for a specialisation of `function` that differs from all others, and changes with the sources."""
     python_function = getattr(function, "py_func", function)
     parts = (python_function.__module__, python_function.__qualname__, *details, source_digest())
     return "_".join(parts).replace(".", "_").replace("-", "_").replace("<", "").replace(">", "")
@@ -29,7 +29,7 @@ def comes_with_kickdrift(function: Function) -> bool:
 
 @cache
 def source_digest(*floors: str) -> str:
-    """Digest of the sources of some floors; if none are named, of those that hold compiled code beside worlds."""
+    """Digest of the sources of some subpackages; by default of those other than worlds that contain compiled code."""
     package = Path(__file__).parent.parent
     digest = hashlib.sha256()
     for floor in floors or ("core", "systems", "engine"):

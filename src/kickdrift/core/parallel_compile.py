@@ -1,8 +1,8 @@
-"""Compiling several functions at once: in processes that keep what they compile on disk, where this one finds it.
+"""Compilation of several functions at once, in processes that store the compiled code on disk, from where this one loads it.
 
 Numba compiles one function at a time in a process. On two cores, two processes compile a world of boxes in two thirds of
-the time that one takes. Where anything comes in the way (a process that does not start, a folder that cannot be
-written to), what is missing is compiled here, as it would have been.
+the time that one takes. If a process does not start, or the folder cannot be written to, the remaining functions are compiled
+in this process.
 """
 
 import os
@@ -24,10 +24,12 @@ from kickdrift.core.dispatcher import no_collector
 _MOST_PROCESSES = 4  # each takes 0.4 GB
 _FEWEST_JOBS = 4  # to start a process takes as long as compiling one or two functions
 
-_SECONDS = 1.0e-4  # for a byte of Python's code: a world of joints and bounces has 220,000 and takes one core 22 s
+_SECONDS = 1.0e-4  # for a byte of Python's bytecode: a world of joints and bounces has 220,000 and takes one core 22 s
 
-Job = tuple[Function, Any]  # and the signature
-Place = tuple[Callable[..., Function], tuple[Any, ...]]  # what finds a function in another process, or makes it there
+Job = tuple[Function, Any]  # a function and a signature
+Place = tuple[
+    Callable[..., Function], tuple[Any, ...]
+]  # a function and arguments that find or make one in another process
 
 _WORKER = (
     "import sys, pickle; sys.path[:] = pickle.load(sys.stdin.buffer);"
@@ -36,13 +38,13 @@ _WORKER = (
 
 
 def missing(jobs: Iterable[Job]) -> list[Job]:
-    """Return those of some functions, each once, that have not been compiled yet for their signatures."""
+    """Return the jobs, each once, whose functions have not been compiled yet for their signatures."""
     each = {(id(function), repr(signature)): (function, signature) for function, signature in jobs}
     return [(function, signature) for function, signature in each.values() if not is_on_disk(function, signature)]
 
 
 def compile_together(jobs: list[Job], done: Callable[[], object] = lambda: None) -> None:
-    """Compile functions for signatures, those that call the same in one process.
+    """Compile functions for signatures; those that share most of their code are compiled in one process.
 
     Parameters
     ----------
@@ -53,22 +55,24 @@ def compile_together(jobs: list[Job], done: Callable[[], object] = lambda: None)
     """
     places = _places(jobs)
     waiting = deque(_families([job for job in jobs if id(job[0]) in places]))
-    own = [job for job in jobs if id(job[0]) not in places]  # found by no other process, or not kept on disk
+    own = [
+        job for job in jobs if id(job[0]) not in places
+    ]  # no other process finds them, or they are not stored on disk
     with no_collector(), _workers(processes_for(len(waiting)) - 1, waiting, places, done), suppress(IndexError):
         while True:
             for function, signature in own or waiting.popleft():
                 function.compile(signature)  # type: ignore[attr-defined]
                 done()
             own = []
-    for function, signature in missing(jobs):  # of processes that have died
+    for function, signature in missing(jobs):  # jobs of processes that have died
         function.compile(signature)  # type: ignore[attr-defined]
         done()
 
 
 def _families(jobs: list[Job]) -> list[list[Job]]:
-    """Sort jobs into families, the largest first: most of what a member needs is needed by a larger member already.
+    """Sort jobs into families, the largest first, whose members share most of their code with a larger member.
 
-    A process compiles what its jobs share once: the three stages that solve the equations of joints share nine tenths.
+    A process compiles shared code once: the three stages that solve the equations of joints share nine tenths.
     """
     families: list[tuple[list[Job], list[set[Function]]]] = []
     for job in sorted(jobs, key=lambda job: _size([job]), reverse=True):
@@ -87,7 +91,7 @@ def _families(jobs: list[Job]) -> list[list[Job]]:
 def _workers(
     count: int, waiting: deque[list[Job]], places: dict[int, Place], done: Callable[[], object]
 ) -> Iterator[None]:
-    """Have so many processes take families of jobs, and at the end wait for the last ones."""
+    """Start worker processes that take families of jobs, and wait for them at the end."""
     processes = []
     for _ in range(count):
         with suppress(OSError):
@@ -110,9 +114,9 @@ def _workers(
 
 
 def _feed(process: Any, waiting: deque[list[Job]], places: dict[int, Place], done: Callable[[], object]) -> None:
-    """Give one job after the other to a process, for as long as it answers."""
+    """Send one job after the other to a process, as long as it answers."""
     family: deque[Job] = deque()
-    with suppress(OSError, ValueError, IndexError):  # it has died, or nothing is left to be done
+    with suppress(OSError, ValueError, IndexError):  # it has died, or nothing is left to do
         process.stdin.write(dumps(sys.path))
         process.stdin.flush()
         process.stdout.readline()
@@ -128,7 +132,7 @@ def _feed(process: Any, waiting: deque[list[Job]], places: dict[int, Place], don
 
 
 def work() -> None:
-    """Compile the functions named on standard input, and report on standard output when one is done."""
+    """Compile the functions named on standard input, and report each on standard output: the main loop of a worker."""
     answers, sys.stdout = sys.stdout, sys.stderr
     with no_collector(), suppress(EOFError, KeyboardInterrupt):
         while True:
@@ -144,7 +148,7 @@ def _found(module: str, name: str) -> Any:
 
 
 def _places(jobs: list[Job]) -> dict[int, Place]:
-    """Return where another process finds functions that it can keep on disk, by their identities."""
+    """Return where another process finds the functions that can be stored on disk, by their identities."""
     functions: list[Any] = [function for function, _ in jobs]
     made = {id(function): function.recipe for function in functions if getattr(function, "recipe", None)}
     return made | {
@@ -157,13 +161,13 @@ def _places(jobs: list[Job]) -> dict[int, Place]:
 
 
 def seconds_for(jobs: list[Job]) -> float:
-    """Return a sentence on how long compiling takes."""
+    """Return an estimate of the time that compiling takes, s."""
     largest = max((_size(family) for family in _families(jobs)), default=0)
     return _SECONDS * max(largest, _size(jobs) / processes_for(len(jobs)))
 
 
 def processes_for(jobs: int) -> int:
-    """Return how many processes so many jobs are worth."""
+    """Return the number of processes that pays for a number of jobs."""
     if jobs < _FEWEST_JOBS:
         return 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -171,7 +175,7 @@ def processes_for(jobs: int) -> int:
 
 
 def _size(jobs: list[Job]) -> int:
-    """Bytes of the code of all functions that some need, each counted once."""
+    """Bytes of the bytecode of all functions that the jobs need, each counted once."""
     return _bytes(_needed(jobs))
 
 

@@ -1,7 +1,7 @@
-"""How Numba compiles a function: by its own passes, some of them only where they have something to do.
+"""The compiler's pipeline: Numba's passes, some of them only where they have something to do.
 
-Numba's passes each find out again which variables live where, seven times a function, before they look whether there is
-anything for them.
+Numba's passes each analyse the lifetimes of variables again, seven times a function, before they check whether there is
+anything for them to do.
 """
 
 from typing import Any
@@ -20,19 +20,19 @@ from kickdrift.core.lowering import Lower
 from kickdrift.core.references import counts_references, lowered_without_counting
 from kickdrift.core.returned_lists import TuplesForLists
 
-# Whose code is written in words of our own: worlds have many functions, 400 with joints. Steps of the engine, which are small,
-# would take a fifth longer, written so.
+# Modules that `kickdrift.core.lowering` lowers: worlds have many functions, 400 with joints. Steps of the engine, which are
+# small, would take a fifth longer.
 _WORLDS = ("kickdrift.world", "kickdrift.core.vectors", "kickdrift.core.rotations")
 
 
 class Pipeline(CompilerBase):  # type: ignore[misc]
-    """How Numba compiles a function, `numbers_as_arguments` are arguments, and lists become `tuples_for_lists`."""
+    """Numba's pipeline, with global numbers as arguments (`numbers_as_arguments`) and tuples for lists (`tuples_for_lists`)."""
 
     def __init__(self, typing: Any, target: Any, *others: Any) -> None:
         super().__init__(own_typing(typing), own_target(typing, target), *others)
 
     def define_pipelines(self) -> list[Any]:
-        """Return Numba's passes, or ours in their places; and one of ours before Numba looks at what a function uses."""
+        """Return Numba's passes with some replaced, and two more before Numba resolves the names that a function uses."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(TuplesForLists, FixupArgs)
         passes.add_pass_after(GlobalsAsArguments, FixupArgs)
@@ -45,7 +45,7 @@ class Pipeline(CompilerBase):  # type: ignore[misc]
 
 
 class _Passes(PassManager):  # type: ignore[misc]
-    """Passes one after the other, untimed, and unannounced to those who watch Numba."""
+    """Runs passes one after the other, without Numba's timing and events."""
 
     def _runPass(self, index: int, pass_: Any, state: Any) -> None:  # noqa: N802 - Numba's name
         pass_.analysis = self._analysis
@@ -56,7 +56,7 @@ class _Passes(PassManager):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _InlineClosures(InlineClosureLikes):  # type: ignore[misc]
-    """Looks for closures and comprehensions where there are any, or what Numba makes stencils of."""
+    """Inlines closures, comprehensions and stencils, if there are any."""
 
     _name = "kickdrift_inline_closures"
 
@@ -66,7 +66,7 @@ class _InlineClosures(InlineClosureLikes):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Assignments(ReconstructSSA):  # type: ignore[misc]
-    """Gives each assignment its variable. Where what lives is kept for whoever resumes a function, all of it is found again."""
+    """Gives each assignment its own variable; only generators need a new analysis of live variables."""
 
     _name = "kickdrift_reconstruct_ssa"
 
@@ -81,7 +81,7 @@ class _Assignments(ReconstructSSA):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _StripPhis(PreLowerStripPhis):  # type: ignore[misc]
-    """Makes variables of where control comes together, and finds out whether references must be counted."""
+    """Replaces phi nodes by variables, and determines whether references must be counted."""
 
     _name = "kickdrift_strip_phis"
 
@@ -97,7 +97,7 @@ class _StripPhis(PreLowerStripPhis):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Rewrites(NopythonRewrites):  # type: ignore[misc]
-    """Makes one loop of an expression of arrays, where there may be any."""
+    """Fuses array expressions into loops, where there may be arrays."""
 
     _name = "kickdrift_nopython_rewrites"
 
@@ -107,7 +107,7 @@ class _Rewrites(NopythonRewrites):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=False, analysis_only=True)
 class _Legalisation(IRLegalization):  # type: ignore[misc]
-    """Says where variables end, where that matters."""
+    """Inserts the ends of variables, where references are counted."""
 
     _name = "kickdrift_ir_legalization"
 
@@ -117,7 +117,7 @@ class _Legalisation(IRLegalization):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Lowering(NativeLowering):  # type: ignore[misc]
-    """Writes LLVM's code."""
+    """Lowers to LLVM as Numba does, without reference counts where none are needed."""
 
     _name = "kickdrift_native_lowering"
 
@@ -130,7 +130,7 @@ class _Lowering(NativeLowering):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _WorldLowering(_Lowering):
-    """Writes LLVM's code in fewer words."""
+    """Lowers to shorter LLVM code by `kickdrift.core.lowering`."""
 
     _name = "kickdrift_world_lowering"
 
@@ -149,7 +149,7 @@ _OURS = {
 
 
 def _values(function: Any) -> Any:
-    """Go through what is assigned in a function."""
+    """Yield the right-hand sides of all assignments of a function."""
     for block in function.blocks.values():
         for statement in block.find_insts(ir.Assign):
             yield statement.value

@@ -1,4 +1,4 @@
-"""Which functions count references to arrays: only those that may make some, or return those that they were given."""
+"""Analysis of which functions must count references to arrays: those that may create arrays, or return their arguments."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from kickdrift.core.views import part, words
 
 
 def counts_references(state: Any) -> bool:
-    """Whether a function has to: unless all its arrays are its callers', or views of them, and it returns none of those.
+    """Whether a function has to: unless all its arrays belong to its callers, or are views of such, and none is returned.
 
-    Who calls it holds them for as long.
+    Its caller keeps the arrays alive until it returns.
     """
     if state.flags.auto_parallel.enabled or not state.flags.no_cpython_wrapper:
         return True
@@ -32,7 +32,7 @@ def counts_references(state: Any) -> bool:
 
 
 def _copies(state: Any, statement: Any) -> bool:
-    """Whether an array is assigned to a slice, which may need a copy if both overlap; or anything to what is no array."""
+    """Whether an array is assigned to a slice, which needs a copy if they overlap, or the target is not an array."""
     into_array = isinstance(state.typemap[statement.target.name], types.Array)
     return not into_array or _is_array(state, state.typemap[statement.value.name])
 
@@ -42,7 +42,7 @@ def _is_array(state: Any, type_: Any) -> bool:
 
 
 def _is_view(state: Any, value: Any) -> bool:
-    """Whether an array is none that is made here."""
+    """Whether a value is an array that is not created here."""
     if not isinstance(value, ir.Expr):
         return True  # an argument, a constant, another variable
     if value.op == "call":
@@ -64,7 +64,7 @@ def _parts(index: Any, kind: Any) -> Any:
 
 
 def lowered_without_counting(target: Any) -> Any:
-    """Return a context that counts no references."""
+    """Return a context that does not count references."""
     own = target.subtarget(enable_nrt=False)
     vars(own).pop("nrt", None)
     return own

@@ -1,6 +1,6 @@
-"""Functions that return ``np.array([a, b])``, or the list alone, return the tuple of these numbers, which takes no memory.
+"""A pass for functions that return ``np.array([a, b])``, or a list: they return a tuple instead, which allocates nothing.
 
-A list and an array made of it for each evaluation take 30 ns, as long as many a force takes in all.
+A list and an array made from it take 30 ns for each evaluation, as long as many a force takes altogether.
 """
 
 import operator
@@ -16,13 +16,13 @@ _TUPLES = "__returns_tuples__"
 
 
 def tuples_for_lists(function: Any) -> None:
-    """Have compiled code of a function return a tuple of floats where it returns a list of numbers, or an array made of one."""
+    """Mark a function whose compiled code is to return a tuple of floats for a list of numbers, or an array made from one."""
     setattr(function, _TUPLES, True)
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class TuplesForLists(FunctionPass):  # type: ignore[misc]
-    """Makes tuples of the lists from which the arrays are made that a function returns."""
+    """Replaces the lists and arrays of lists that a function returns by tuples."""
 
     _name = "kickdrift_tuples_for_lists"
 
@@ -30,7 +30,7 @@ class TuplesForLists(FunctionPass):  # type: ignore[misc]
         super().__init__()
 
     def run_pass(self, state: Any) -> bool:
-        """Change Numba's intermediate representation of a function, if it is so at all of its returns."""
+        """Change Numba's intermediate representation of a function, if all its returns are of this form."""
         if not getattr(state.func_id.func, _TUPLES, False):
             return False
         found = [
@@ -49,7 +49,7 @@ class TuplesForLists(FunctionPass):  # type: ignore[misc]
 
 
 def _array_of_list(function: Any, returned: Any) -> tuple[Any, Any] | None:
-    """Return the call of ``np.array``, if there is one, and the list behind what is returned, if nothing else sees them."""
+    """Return the call of ``np.array``, if there is one, and the list behind a returned value, if nothing else uses them."""
     mentions = Counter(
         variable.name for block in function.blocks.values() for each in block.body for variable in each.list_vars()
     )
@@ -86,7 +86,7 @@ def _is_array(function: Any, variable: Any) -> bool:
 
 
 def _changed(statement: Any, scope: Any, calls: list[int], lists: list[int]) -> list[Any]:
-    """Return what becomes of a statement: of a list a tuple of floats, and of the array made of it that tuple."""
+    """Return the statements that replace one: a list becomes a tuple of floats, and the array made from it that tuple."""
     value: Any = statement.value if isinstance(statement, ir.Assign) else None
     if id(value) in calls:
         statement.value = value.args[0]

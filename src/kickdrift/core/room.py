@@ -1,4 +1,4 @@
-"""Memory that there is: what cannot be kept is refused before it is reckoned."""
+"""Checks of the memory available: rows that would not fit are refused before the run."""
 
 import math
 import os
@@ -7,13 +7,13 @@ from pathlib import Path
 
 from kickdrift.core.errors import ArgumentError
 
-_UNASKED = 2 << 30  # bytes that what is kept may take unless the caller says which steps to keep
-_PART = 0.8  # of the memory that is free
-_LITTLE = 1 << 20  # bytes that nobody asks for: it would be a third of the time of ten steps
+_UNASKED = 2 << 30  # bytes that rows may take if `save_every` is not given
+_PART = 0.8  # of the free memory
+_LITTLE = 1 << 20  # bytes below which the free memory is not looked up: that takes a third of the time of ten steps
 
 
 def check_kept(save_every: int | None, n_steps: int, row: int, remedy: str = "") -> None:
-    """Refuse to keep more than there is room for.
+    """Refuse to keep more rows than fit into memory.
 
     Parameters
     ----------
@@ -21,9 +21,9 @@ def check_kept(save_every: int | None, n_steps: int, row: int, remedy: str = "")
         Steps from row to row, or None for all steps if they are not too many.
     n_steps : int
     row : int
-        Bytes of one.
+        Bytes of a row.
     remedy : str
-        What else could be given instead.
+        What else could be given instead, for the message.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def check_kept(save_every: int | None, n_steps: int, row: int, remedy: str = "")
 
 
 def free_bytes() -> float:
-    """Return the memory that this process may still take, or infinity if the system does not report it."""
+    """Return the memory that this process may still allocate, bytes; infinity if the system does not report it."""
     free = math.inf
     with suppress(OSError, ValueError, LookupError):
         lines = Path("/proc/meminfo").read_text().splitlines()

@@ -1,4 +1,4 @@
-"""Files of compiled code, which run as they are: read only if they are whole, and no one else could have written them."""
+"""Files of compiled code, which is executed as it is: read only if intact, and if no other user could have written them."""
 
 import hashlib
 import os
@@ -13,15 +13,15 @@ _OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
 
 def read(path: Path) -> bytes:
-    """Read what `write` has written.
+    """Read a file written by `write`.
 
     Raises
     ------
     OSError
-        If it cannot be read, or others than this user, root and who has the sources of kickdrift own it or its folder, or can
-        write to them.
+        If it cannot be read; if its owner, or that of its folder, is not this user, root or the owner of kickdrift's sources;
+        or if others can write to them.
     ValueError
-        If it is not what was written.
+        If it is damaged.
     """
     if not (_is_safe(path.parent) and _is_safe(path)):
         raise PermissionError(f"{path} or its folder could have been written by others.")
@@ -33,18 +33,18 @@ def read(path: Path) -> bytes:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write a file that nobody else can change, in a folder that is so too; OSError if that cannot be."""
+    """Write a file that no other user can change, nor its folder; OSError if that is impossible."""
     path.parent.mkdir(parents=True, exist_ok=True)
     _close(path.parent)
     if path.exists():
-        _close(path)  # whose mode the new one takes
+        _close(path)  # the new file takes its mode
     with files.written(path) as unfinished:
         unfinished.write_bytes(hashlib.sha256(content).digest() + content)
         _close(unfinished)
 
 
 def _close(path: Path) -> None:
-    """Forbid others to write there: many systems let a user's group."""
+    """Forbid others to write there: many systems allow a user's group."""
     mode = path.stat().st_mode
     if os.name == "posix" and mode & _OTHERS:
         path.chmod(stat.S_IMODE(mode) & ~_OTHERS)
@@ -52,12 +52,12 @@ def _close(path: Path) -> None:
 
 def _is_safe(path: Path) -> bool:
     if os.name != "posix":
-        return True  # folders of users are theirs alone
+        return True  # folders of users are private
     found = path.stat()
     return found.st_uid in _trusted() and not found.st_mode & _OTHERS
 
 
 @lru_cache
 def _trusted() -> frozenset[int]:
-    """Users who could change what this one runs in any case."""
+    """Users who could change the code that this user runs in any case."""
     return frozenset((os.geteuid(), 0, os.stat(__file__).st_uid))

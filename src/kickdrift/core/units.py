@@ -1,4 +1,4 @@
-"""Quantities of astropy and pint: known by the package that their types come from, and imported by nobody here."""
+"""Quantities of astropy and pint, recognised by the package of their type, so that neither is imported."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -62,12 +62,12 @@ def with_unit(values: Any, unit: Any) -> Any:
 
 
 def factor(one: Any, other: Any) -> float:
-    """Return how many of another unit one unit is."""
+    """Return the factor that converts one unit to another."""
     return float(numbers("unit", 1 * one, other))
 
 
 def spelt(unit: Any) -> str:
-    """Spell a unit in one word, such as ``au/d``, so that others may read it."""
+    """Return a unit as one word that other libraries can parse, such as ``au/d``."""
     text = f"{unit:~C}" if hasattr(unit, "is_compatible_with") else str(unit)
     return text.replace(" / ", "/").replace(" ", "*") or "1"
 

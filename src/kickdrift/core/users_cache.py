@@ -1,6 +1,6 @@
-"""Compiled code of users' functions on disk: in one folder, the files used last.
+"""Compiled code of users' functions on disk: one folder, in which the most recently used files are kept.
 
-A script, a notebook and a command line may each have a function of the same name, so that none is older than another.
+A script, a notebook and a command line may each have a function of the same name, so that none replaces another.
 """
 
 import os
@@ -22,11 +22,11 @@ _DAY = 86400.0
 
 
 class UsersCache(Cache):
-    """What `kickdrift.core.cache.Cache` is to functions of kickdrift; the key tells what the function is made of."""
+    """The cache of a user's function; its name is the key of everything that the function is made of."""
 
     @cached_property
     def _method(self) -> Any:
-        """How results are packed, and where they go: beside the code of kickdrift's own functions."""
+        """Numba's serialiser, with the folder beside that of kickdrift's own functions."""
         try:
             return CompileResultCacheImpl(_beside)
         except RuntimeError:
@@ -38,7 +38,7 @@ class UsersCache(Cache):
         return None if self._method is None else str(Path(self._method.locator.get_cache_path()) / "users")
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return what was compiled for a signature, or None; note that it was of use."""
+        """Return the compiled code for a signature, or None, and mark the file as used."""
         result = super().load_overload(signature, target)
         if result is not None:
             file = self._file(signature, target)
@@ -48,7 +48,7 @@ class UsersCache(Cache):
         return result
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep what was compiled, unless it has addresses of this process in it."""
+        """Save compiled code, unless it contains addresses of this process."""
         if not result.library.has_dynamic_globals:
             super().save_overload(signature, result)
 
@@ -57,11 +57,11 @@ class UsersCache(Cache):
         return Path(str(self.cache_path)) / f"{digest(self._function.__qualname__)}-{self._kind}-{digest(use)}.nbc"
 
     def _make_room(self, file: Path) -> None:
-        """Remove the files that have been of no use for the longest time."""
+        """Remove the least recently used files."""
         files = sorted(file.parent.glob("*.nbc"), key=lambda other: other.stat().st_mtime)
         for unused in files[: max(0, len(files) - _MOST_FILES)]:
             unused.unlink()
 
 
 def _beside() -> None:
-    """Lie in the folder beside which users' functions are kept."""
+    """Locate the cache folder of kickdrift's own functions, by being one of them."""

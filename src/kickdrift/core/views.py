@@ -1,4 +1,4 @@
-"""Views of one-dimensional arrays that compiled code makes for nothing, and the interpreter as it makes any other."""
+"""Views of one-dimensional arrays that cost nothing in compiled code."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ def float_of(bits: int) -> float:
 
 
 def _populate(view: Any, **members: Any) -> None:
-    from numba.np.arrayobj import populate_array  # 20 ms, for those who compile
+    from numba.np.arrayobj import populate_array  # takes 20 ms, and is needed only to compile
 
     populate_array(view, **members)
 

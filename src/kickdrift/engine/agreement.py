@@ -1,4 +1,4 @@
-"""Whether a user's function agrees compiled and in Python: integers beyond 64 bits overflow in compiled code."""
+"""Comparison of a user's function compiled and interpreted: integers beyond 64 bits overflow in compiled code."""
 
 import random
 import time
@@ -14,15 +14,15 @@ from kickdrift.core.errors import ArgumentError
 
 Floats = NDArray[np.float64]
 
-_COMPARED: WeakSet[Function] = WeakSet()  # in this process
-LARGEST = 100  # numbers of a state, up to which the interpreter soon does a double loop
-_CLOSE = 1e-3  # of the largest number: both round differently, in float32 by far
-_QUICK = 1e-4  # seconds of a compiled call, up to which the interpreter need not be waited for
-_TRIES = 5  # to be quick, on a machine that does other things, too
+_COMPARED: WeakSet[Function] = WeakSet()  # functions that were compared in this process
+LARGEST = 100  # numbers of a state, up to which the interpreter does a double loop quickly
+_CLOSE = 1e-3  # tolerance relative to the largest number: rounding differs, by far in float32
+_QUICK = 1e-4  # s of a compiled call, up to which the interpreted one does not take long
+_TRIES = 5  # measurements of that time, since the machine may be busy
 
 
 def aside(values: Floats) -> Floats:
-    """Return numbers near to others: where a start is symmetric, all that is left of a sum may be its rounding."""
+    """Return slightly different values: at a symmetric start, sums may cancel to their rounding errors."""
     near: Floats = values * (1.0 + 1e-3 * np.cos(np.arange(1.0, values.size + 1.0))) + 1e-9
     return near
 
@@ -35,7 +35,7 @@ def compare_once(
     Parameters
     ----------
     name : str
-        Of the function, for the error.
+        Name of the function, for the error.
     native : callable
         The compiled one.
     interpreted : callable
@@ -46,7 +46,7 @@ def compare_once(
     Raises
     ------
     ArgumentError
-        If the results differ by more than rounding, and not because each call gives another one.
+        If the results differ by more than rounding, unless those of two interpreted calls differ, too.
     """
     if native in _COMPARED:
         return
@@ -81,7 +81,7 @@ def _seconds(call: Callable[[Function], Floats], native: Function) -> float:
 
 @contextmanager
 def _chance_kept() -> Iterator[None]:
-    """Leave the random numbers that others draw as they would have been."""
+    """Restore the states of the global random number generators afterwards."""
     of_numpy, of_python = np.random.get_state(), random.getstate()  # noqa: NPY002 - those that users draw from
     try:
         yield

@@ -1,6 +1,6 @@
-"""What is said of compiling on standard error: that one waits for it, and then how long it took.
+"""Messages about compilation on standard error: that it goes on, and then how long it took.
 
-It is said in pipes and notebooks, too: a wait without a word looks like a hang.
+They are printed in pipes and notebooks, too: silent waiting looks like a hang.
 """
 
 import sys
@@ -12,22 +12,22 @@ from contextvars import ContextVar
 
 from kickdrift.core.dispatcher import told_of_compiling
 
-_A_MOMENT = 1.0  # seconds; what is found compiled on disk is read in 0.3
+_A_MOMENT = 1.0  # s; loading compiled code from disk takes 0.3
 
 
 @contextmanager
 def compiling_announced(wanted: bool | None = None, what: str = "", seconds: float = 0.0) -> Iterator[None]:
-    """Announce the compiling in a block that takes longer than a moment, unless that is not wanted (False).
+    """Announce compilation in a block that takes longer than a moment, unless `wanted` is False.
 
-    Of blocks in each other the outermost speaks, and only if it is wanted there.
+    Of nested blocks the outermost prints the messages, if they are wanted there.
 
     Parameters
     ----------
     wanted : bool or None
     what : str
-        What will be compiled in any case, if that is known.
+        What will be compiled, if that is known in advance.
     seconds : float
-        About how long that takes; if it is longer than a moment, that is said at once.
+        Estimate of the time that this takes; if it is longer than a moment, it is announced at once.
     """
     around = _around.get()
     if around is not None:
@@ -46,20 +46,20 @@ def compiling_announced(wanted: bool | None = None, what: str = "", seconds: flo
 
 
 class _Wait:
-    """What is said of one wait: nothing, unless there is something to compile."""
+    """The messages of one block: none, unless something is compiled."""
 
     def __init__(self, wanted: bool) -> None:
         self._wanted, self._said, self._started = wanted, False, 0.0
         self._timer: threading.Timer | None = None
 
     def expect(self, what: str, seconds: float) -> None:
-        """Note that something will take so long."""
+        """Announce something that is expected to take some time."""
         if seconds > _A_MOMENT:
             self._begin()
             self._say(f"compiling {what} once on this machine, about {seconds:.0f} s ...")
 
     def begin(self) -> None:
-        """Note that something is compiled."""
+        """Note that compilation has begun; announce it if it takes longer than a moment."""
         if self._wanted and self._timer is None:
             self._begin()
             self._timer = threading.Timer(_A_MOMENT, self._say, ["compiling; this takes some seconds ..."])

@@ -1,7 +1,7 @@
-"""Checkpoints on disk: a folder of files of plain arrays, from which a run goes on as if nothing had happened.
+"""Checkpoints on disk: a folder of files of plain arrays, from which a run resumes with the bits of an uninterrupted one.
 
-A file is written under another name and then gets its own, and files before it are removed after that: whenever the process
-is killed, there is one that is whole. A second one is kept for the case that the machine dies, and the newest is cut short.
+A file is written under a temporary name and then renamed, and older files are removed after that: whenever the process is
+killed, one of them is complete. A second one is kept in case the machine crashes and the newest is truncated.
 """
 
 import os
@@ -24,7 +24,7 @@ _NAME = re.compile(r"step-(\d{15})\.npz")
 
 
 class Found(NamedTuple):
-    """A checkpoint that was read: its header, its arrays, and what to report about it."""
+    """A checkpoint that was read: its header, its arrays, and a sentence for the message of the solution."""
 
     header: dict[str, Any]
     arrays: dict[str, Any]
@@ -32,23 +32,23 @@ class Found(NamedTuple):
 
 
 class Checkpoints:
-    """The checkpoints of a run, which no other run may touch until they are closed.
+    """The checkpoints of a run, locked against other runs until they are closed.
 
     Parameters
     ----------
     folder : path
-        Made where it is missing.
+        Created if it is missing.
     every : int, optional
-        Steps from one to the next; as many as take a minute by default.
+        Steps from one to the next; by default as many as take a minute.
     keep : int, optional
-        How many of the last to keep, None for all.
+        Number of the last ones to keep, None for all.
     identity : mapping of str to str
-        What determines the run, by the names of arguments.
+        Descriptions of everything that determines the run, by argument.
 
     Raises
     ------
     ArgumentError
-        For arguments that cannot be, a folder that cannot be made, and one in which another run is at work.
+        For invalid arguments, a folder that cannot be created, and one in use by another run.
     """
 
     def __init__(self, folder: Any, every: Any, keep: Any, identity: Mapping[str, str]) -> None:
@@ -93,16 +93,16 @@ class Checkpoints:
         return min(last, int((step // self._every + 1) * self._every))
 
     def pace(self, steps: int, seconds: float) -> None:
-        """Note the pace: so many steps took so long."""
+        """Estimate the steps between checkpoints from the time, s, that some steps took."""
         self._pace = max(1, min(10 * max(steps, _FIRST), int(steps * _SECONDS / max(seconds, 1e-9))))
 
     def write(self, step: int, header: Mapping[str, Any], arrays: archive.Arrays) -> None:
-        """Write a checkpoint, unless the run resumed from it, and remove those that are not to be kept.
+        """Write a checkpoint, unless the run resumed from it, and remove those beyond the number to keep.
 
         Raises
         ------
         FileFormatError
-            If it cannot be written; those before it are as they were.
+            If it cannot be written; those before it are unchanged.
         """
         if step == self._newest:
             return
@@ -115,12 +115,12 @@ class Checkpoints:
                     self._file(older).unlink()
 
     def find(self, last: int | None = None) -> Found | None:
-        """Read the newest checkpoint, or the newest up to a step; where it is damaged the one before; None if there is none.
+        """Read the newest intact checkpoint, up to the step `last` if given; None if there is none.
 
         Raises
         ------
         ArgumentError
-            If it is one of another run, or another version.
+            If it belongs to another run, or another version.
         FileFormatError
             If all are damaged.
         """
@@ -146,7 +146,7 @@ class Checkpoints:
         return None
 
     def refuse(self, argument: str) -> ArgumentError:
-        """Return the error for a folder of a run that another argument has determined."""
+        """Return the error for a folder of a run with another value of an argument."""
         return ArgumentError(
             f"checkpoint={str(self.folder)!r} belongs to another run, with another {argument}; name another folder, or"
             " remove this one to start again."
@@ -165,7 +165,7 @@ class Checkpoints:
             raise self.refuse(" and ".join(others))
 
     def _steps(self) -> list[int]:
-        """Return the steps of which there are checkpoints, the newest first."""
+        """Return the steps that have checkpoints, the newest first."""
         found = (_NAME.fullmatch(path.name) for path in self.folder.iterdir())
         return sorted((int(match[1]) for match in found if match), reverse=True)
 

@@ -54,13 +54,13 @@ class Controller:
     tolerances : array
         Absolute ones, for x and v in turn; empty where errors do not matter.
     between : Controller or None
-        What controls parts of steps, for states between them.
+        The controller of parts of steps, for states between them.
     takes_back : bool
         Whether steps can be rejected.
     surfaces : Surfaces or None
-        Of impacts, for events.
+        Surfaces of impacts, for events.
     function : Quantity or None
-        What it asks, if that is a user's.
+        The function that it evaluates, if that is a user's.
     """
 
     name: str
@@ -75,11 +75,11 @@ class Controller:
     function: Quantity | None = None
 
     def memory_size(self, n: int, of_flows: int) -> int:
-        """Return how many numbers of work the control has, beside those of the flows."""
+        """Return the size of the controller's part of the work array, beside that of the flows."""
         return layout.CONTROL_VECTORS * n + self.params.size + of_flows * self.takes_back
 
     def prepare(self, work: Floats, n: int, estimates: bool, t0: float, t1: float, step: float) -> None:
-        """Write into work what the letters of the control find there."""
+        """Initialise the part of the work array that the letters of the control use."""
         own = work.size - layout.TAIL - n * estimates - self.params.size
         work[layout.CLOCK], work[layout.END], work[layout.FIRST_STEP] = t0, t1, step
         work[layout.DENSITY] = work[layout.START_DENSITY] = 1.0
@@ -94,7 +94,7 @@ class Controller:
 
 
 def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayLike | None) -> StepControl | None:
-    """Return what chooses the steps, None for equal ones.
+    """Return the step control that the arguments ask for, None for equal steps.
 
     Raises
     ------
@@ -127,12 +127,12 @@ def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayL
 def controlled(
     wanted: StepControl, system: System, method: Method, t0: float, adapt: Adapt, first_is_given: bool
 ) -> tuple[System, Controller]:
-    """Make a control ready; the system gets its function as a part.
+    """Prepare a step control for a system; its function becomes a part of the system.
 
     Raises
     ------
     ArgumentError
-        For a control that does not go with the method or the system, and a density that cannot be.
+        For a control that does not suit the method or the system, and for an invalid density.
     """
     check_method(wanted, system, method)
     if isinstance(wanted, LocalError):
@@ -161,7 +161,7 @@ def controlled(
 
 
 def _in_its_own_time(controller: Controller) -> Controller:
-    """Control parts of steps as whole ones are."""
+    """Return a controller that controls parts of steps, too."""
     return replace(controller, between=controller)
 
 
@@ -215,7 +215,7 @@ def _spelled(absolute: Floats) -> str:
 
 
 def _density(wanted: Any, system: System, adapt: Adapt) -> tuple[Quantity, str, bool, int]:
-    """Return a density, its name, whether it sees v, and how many forces it evaluates."""
+    """Return a density, its name, whether it depends on v, and the number of forces that it evaluates."""
     own = system.density
     if wanted is None:
         wanted = "acceleration" if own is None else "own"

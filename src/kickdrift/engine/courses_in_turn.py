@@ -1,4 +1,4 @@
-"""Members of an ensemble whose steps vary, one after the other, without the interpreter in between."""
+"""Members of an ensemble with variable steps, integrated one after the other in compiled code."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ def _run(
     vs: Any,
     facts: Any,
 ) -> None:
-    """Run each member from its start on blank work, as `kickdrift.engine.run` does one, for so many steps at most.
+    """Run each member from its start on a blank work array, as `kickdrift.engine.run` does, for at most `most` steps.
 
     Each has params of its own, and so has the control of its steps. The row after the last one that is filled gets the state
     that is reached.
@@ -90,7 +90,7 @@ def _run(
 
 @dataclass(frozen=True)
 class Courses:
-    """What members have left: states at the times wanted, (G, T, *shape), of those that are `good`, and what all took."""
+    """Results of the members: states at the times wanted, (G, T, *shape), of those that are `good`, and the costs of all."""
 
     x: Floats
     v: Floats
@@ -148,7 +148,7 @@ def run_courses(
 def _at_wanted(
     grid: Course, outputs: list[DenseOutput], members: NDArray[np.intp], evaluations: Integers, params: Floats
 ) -> tuple[Floats, Floats]:
-    """Return the states of members that are at the end at the times wanted, as `kickdrift.engine.report` does of one."""
+    """Return the states of the members that reached the end at the times wanted, as `kickdrift.engine.report` does."""
     assert grid.wanted is not None
     end = np.array([grid.t1])
     short = [k for k, output in enumerate(outputs) if output.t[-1] != grid.t1]

@@ -1,8 +1,8 @@
 """Dense output: states between the rows that a run kept, by the method itself.
 
-From the last row before a time, whole steps of the run lead to the grid, and one shorter step of the same method to the time.
-Its error is that of a step, so that what lies between has the order of the method, whatever that is, and constraints hold
-there. A whole step leads to the next row.
+From the last row before a time, whole steps of the run lead to the last grid point before it, and one shorter step of the same
+method to the time itself. Its error is that of a step, so that states between rows have the order of the method, whatever that
+is, and satisfy the constraints. A whole step leads to the next row.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
-# Of a step, and of the spacing of floats near the farthest time: what is nearer to the grid is on it.
+# Fraction of a step, and multiple of the spacing of floats at the farthest time, within which a time is on the grid.
 _ROUNDING, _SPACINGS = 1e-9, 4.0
 
 
 class States(NamedTuple):
-    """Positions and velocities at the times asked for: (T, *shape) of T times, or one state of the shape of x0.
+    """Positions and velocities at the times asked for: (T, *shape) for T times, or one state of the shape of x0.
 
-    Of Hamiltonians they are q and p; of first-order equations x is y, and v is empty.
+    For Hamiltonians they are q and p; for first-order equations x is y, and v is empty.
     """
 
     x: Floats
@@ -45,17 +45,17 @@ class DenseOutput:
     Attributes
     ----------
     t : (T,) array
-        Times of the rows, in the order in which the run went.
+        Times of the rows, in the order of the run.
     x, v : (T, *shape) array
         The rows.
     end : float
-        Where the run ended, at the last row or later.
+        End of the run, at the last row or later.
     steps : (T,) array
-        The size of the steps from each row on, with its sign.
+        Signed size of the steps from each row on.
     varies : bool
-        Whether the sizes of steps vary: then the one after a row is known, and no more.
+        Whether the sizes of steps vary: then only the step after each row is known.
     compile : callable
-        Returns the method, compiled for the system, with a state of its own.
+        Returns the method, compiled for the system, with its own state.
     """
 
     t: Floats
@@ -75,7 +75,7 @@ class DenseOutput:
         end: float,
         compile: Callable[[], Processing],  # noqa: A002 - the name of the field
     ) -> DenseOutput:
-        """Create one from rows, their times, x, v and steps, preceded by the start if it is not a row."""
+        """Create the dense output of rows (times, x, v and steps), preceded by the start if it is not a row."""
         t, xs, vs, steps = rows
         if not t.size or t[0] != grid.t0:
             t, steps = np.append(grid.t0, t), np.append(grid.step, steps)
@@ -127,7 +127,7 @@ class DenseOutput:
         return xs, vs, evaluations
 
     def _places(self, wanted: Floats) -> tuple[NDArray[np.intp], NDArray[np.int64], Floats]:
-        """Return the last row before each time, how many whole steps there are from there, and what is left."""
+        """Return the last row before each time, the number of whole steps from there, and the remaining time."""
         sign = np.sign(self.steps[0])
         farthest = max(abs(self.t[0]), abs(self.end))
         near = _ROUNDING * np.abs(self.steps) + _SPACINGS * np.spacing(farthest)
@@ -177,7 +177,7 @@ def states_of(
 
 
 def check_between(system: System, grid: Grid) -> None:
-    """Refuse times off the grid of steps where noise drives a system: of its path a step knows the ends alone.
+    """Refuse times off the grid of steps for stochastic systems, whose path is known only at the ends of steps.
 
     Raises
     ------
@@ -195,7 +195,7 @@ def check_between(system: System, grid: Grid) -> None:
 
 
 def _forgotten() -> None:
-    """Stand for the dense output of a solution that another process reads."""
+    """Return None, which stands for the dense output of a solution that was unpickled."""
 
 
 def _times(t: Any, first: float, last: float) -> Floats:

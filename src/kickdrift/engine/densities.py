@@ -1,4 +1,4 @@
-"""Densities of steps by name: how many there should be in a unit of time, but for a factor."""
+"""Step densities by name: the number of steps in a unit of time, up to a factor."""
 
 import math
 
@@ -17,7 +17,7 @@ acceleration: Function = unbound
 
 @compiled
 def _by_distance(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    """Write the root of the sum of 1 / r^3 over all pairs of bodies, or of the one distance from the origin."""
+    """Write the square root of the sum of 1 / r^3 over all pairs of bodies, or for the distance from the origin."""
     size = int(params[0])
     total = 0.0
     for i in range(0, x.size, size):
@@ -36,7 +36,7 @@ def _by_distance(t: float, x: Floats, v: Floats, params: Floats, out: Floats) ->
 
 
 def _by_acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    """Write the root of the size of the acceleration; the last params are room for it."""
+    """Write the square root of the norm of the acceleration; the last params are scratch space for it."""
     n = v.size
     a = part(params, params.size - n, n)
     acceleration(t, x, v, part(params, 0, params.size - n), a)
@@ -47,7 +47,7 @@ def _by_acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats
 
 
 def by_distance(system: System) -> Quantity:
-    """Return the density by the distances of bodies in a state (N, d), or of a state (d,) from the origin."""
+    """Return the density by the distances between bodies in a state (N, d), or from the origin of a state (d,)."""
     size = system.x0.shape[-1] if system.x0.ndim > 1 else system.x0.size
     return Quantity(_by_distance, params=np.array([float(size)]))
 

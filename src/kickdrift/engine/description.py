@@ -1,4 +1,4 @@
-"""What was run, in words."""
+"""Description of a run for reports, files and pictures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from kickdrift.core.kinds import Kind
 
 @dataclass(frozen=True)
 class Description:
-    """What was run: words for reports, files and pictures.
+    """Names and labels of a run for reports, files and pictures.
 
     Attributes
     ----------
@@ -18,11 +18,11 @@ class Description:
     kind : str
         Name of the `Kind` of problem.
     order : int
-        Stated order of the method.
+        Order of the method.
     word : str
         The word of the method.
     compensated : bool
-        Whether the sums carried what they rounded off.
+        Whether sums were compensated.
     dimensions : tuple of str
         Names of the axes of the state.
     coordinates : mapping of str to list
@@ -30,15 +30,15 @@ class Description:
     units : mapping of str to str
         Units of t, x and v and of the invariants by name.
     scales : mapping of str to float
-        Of invariants that may be zero, the size against which their errors are judged: of a sum that of its parts.
+        Sizes relative to which errors of invariants are given if these may be zero: for a sum, the sum of its terms' norms.
     source : str
-        Where the system is from.
+        Source of the system.
     choice : str
-        Why ``"auto"`` took the method; empty where it was named.
+        Reason for the choice of ``"auto"``; empty if a method was named.
     step_control : str
-        How the steps were chosen, and what that conserves; empty where they are equal.
+        How the steps were chosen, and what that conserves; empty for equal steps.
     gm : tuple of float
-        Of bodies that attract each other G times their masses; of one around a centre that of the centre.
+        G times the masses of bodies that attract each other; for a body around a centre, that of the centre.
     """
 
     system: str
@@ -64,8 +64,8 @@ class Description:
 
 
 def unit_attributes(unit: str) -> dict[str, str]:
-    """Return a unit as an attribute of a labelled array, if there is one.
+    """Return a unit, if there is one, as an attribute of a labelled array.
 
-    What others read as units is one word; a phrase would be an error of theirs.
+    Other libraries parse the attribute "units" and fail on phrases, which get another name.
     """
     return {"units" if " " not in unit else "unit_in_words": unit} if unit else {}

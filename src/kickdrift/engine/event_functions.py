@@ -1,4 +1,4 @@
-"""Functions whose zeros are wanted along a run: adapted to the state, with the attributes that users have set."""
+"""Event functions, whose zeros are located along a run: adapted to the state, with the attributes set by the user."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -12,11 +12,11 @@ from kickdrift.systems.system import Quantity
 
 
 class Event(NamedTuple):
-    """A function whose zeros are wanted: its name, and what users have set as its attributes."""
+    """An event function: its name, and the attributes set by the user."""
 
     name: str
     quantity: Quantity
-    terminal: int  # at which zero the run ends, 0 for none
+    terminal: int  # number of the zero at which the run ends, 0 for none
     direction: float
     rate_bound: float | None
 
@@ -33,7 +33,7 @@ def events_of(events: Any, quantity: Callable[[str, Any], Quantity]) -> tuple[Ev
 
 
 def functions_of(events: Any) -> tuple[Any, ...]:
-    """Return the functions of one, of several, or of none."""
+    """Return a tuple of functions, given one, several or none."""
     if events is None:
         return ()
     return tuple(events) if isinstance(events, Sequence) else (events,)

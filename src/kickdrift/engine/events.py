@@ -294,6 +294,6 @@ class Watch:
 
 
 def _joined(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:
-    """Return the steps with zeros that are still to be sought, those of an event together."""
+    """Return the brackets of zeros that are not yet located, joined for each event."""
     events = sorted({event for event, _ in brackets})
     return [(k, Brackets.joined(*(own for event, own in brackets if event == k))) for k in events]

@@ -1,9 +1,9 @@
-"""What a function's compiled code is made of, so that it is compiled once for ever.
+"""Keys of users' functions: digests of everything that their compiled code depends on, so that it is compiled only once.
 
 Numba freezes the code of a function, its defaults, and the values that its globals and free variables have when it is
 compiled. Here floats and arrays of floats among them become arguments of the compiled code instead: the same code with
-other numbers is compiled once. All the rest is in the function's key by content, so that equal keys, in whatever
-process, mean equal compiled code.
+other numbers is compiled once. Everything else is in the function's key by content, so that equal keys, in any process,
+imply equal compiled code.
 """
 
 import sys
@@ -26,25 +26,26 @@ from kickdrift.core.returned_lists import tuples_for_lists
 from kickdrift.engine.function_names import CannotTellError, Names, names_of, overloaded_elsewhere
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
-_LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba")  # nobody changes their contents
-_OURS = ("kickdrift.core.", "kickdrift.systems.", "kickdrift.engine.")  # whose sources are in every name
+_LIBRARIES = ("builtins", "math", "cmath", "operator", "numpy", "numba")  # assumed not to be changed
+_OURS = ("kickdrift.core.", "kickdrift.systems.", "kickdrift.engine.")  # their sources are in every name
 
 
 @dataclass(frozen=True)
 class Taken:
-    """A function taken apart; equal to another if both have the same compiled code.
+    """A function separated into code, numbers and constants; equal to another if both have the same compiled code.
 
     Attributes
     ----------
     key : hashable
-        All that the compiled code is made of, as text; where one cannot tell, a compiled function itself, or an object.
+        Everything that the compiled code depends on, as text; if that cannot be determined, the function itself, if it is
+        compiled, or a new object.
     function : callable
         The function itself.
     numbers : mapping of str to float or array
-        Those of its globals, free variables and defaults that compiled code takes as arguments, and those of the functions
-        that it calls, as ``function__number``.
+        The globals, free variables and defaults that compiled code takes as arguments, and those of the functions that it
+        calls, as ``function__number``.
     constants : mapping of str to object
-        The others.
+        The other globals, free variables and defaults.
     callees : mapping of str to Taken
         The compiled functions among the constants.
     """
@@ -61,23 +62,23 @@ class Taken:
         return isinstance(self.key, tuple)
 
     def options(self, checked: bool) -> dict[str, Any]:
-        """Return what its decorator, if it has one, asks of Numba, with indices `checked` for bounds.
+        """Return the Numba options of its decorator, if it has one, with bounds checks if `checked`.
 
-        Unless asked otherwise a division by zero gives infinity, in functions that others call as in those that are given.
+        By default a division by zero gives infinity, also in the functions that it calls.
         """
         asked = getattr(self.function, "targetoptions", {})
         bounds = checked if asked.get("boundscheck") is None else asked["boundscheck"]
         return {"error_model": "numpy", **asked, "boundscheck": bounds}
 
     def digest(self, *details: Any) -> str:
-        """Name the compiled code, with further details of it, so that no other one has the name."""
+        """Return a unique name for the compiled code, with further details of it."""
         return digest((self.key, details, source_digest()))
 
     def snapshot(self, checked: bool, tuples: bool = False) -> Function:
         """Copy the function, with its constants as they are now, for compiled code that takes its numbers as arguments.
 
-        Indices of compiled functions that it calls are `checked`, too. What it returns may be `tuples` in place of arrays
-        made of lists.
+        With `checked`, bounds are checked in the compiled functions that it calls, too. With `tuples`, it returns tuples in
+        place of arrays made from lists.
         """
         python = getattr(self.function, "py_func", self.function)
         values = {
@@ -86,12 +87,12 @@ class Taken:
             **{name: callee.dispatcher(checked) for name, callee in self.callees.items()},
         }
         cells = tuple(CellType(values[name]) for name in python.__code__.co_freevars)
-        # Numba cannot load what it has compiled for a module that cannot be imported: code that was executed as text.
+        # Numba cannot load code that it has compiled for a module that cannot be imported, such as code executed from text.
         module = python.__module__ if python.__module__ in sys.modules else __name__
         own = {"__name__": module, "__builtins__": __builtins__, **values}
         copy = FunctionType(python.__code__, own, python.__name__, python.__defaults__, cells)
         copy.__kwdefaults__ = python.__kwdefaults__
-        # Of two of a name, Numba may take one for the other.
+        # Numba may confuse two functions of the same name.
         copy.__qualname__ = f"{python.__qualname__}_{self.digest(checked, tuples)}"
         numbers_as_arguments(copy, self.numbers, {name: tuple(callee.numbers) for name, callee in self.callees.items()})
         if tuples:
@@ -100,7 +101,7 @@ class Taken:
 
     def dispatcher(self, checked: bool) -> Any:
         """Return a compiled function as Numba would compile it now."""
-        from kickdrift.core.passes import Pipeline  # 0.1 s, for those who compile
+        from kickdrift.core.passes import Pipeline  # takes 0.1 s, and is needed only to compile
 
         return CPUDispatcher(
             self.snapshot(checked), self.function.locals, self.options(checked), pipeline_class=Pipeline
@@ -108,16 +109,16 @@ class Taken:
 
 
 def taken_apart(function: Any, free: bool = True) -> Taken:
-    """Take a function apart, with its numbers `free` to change in compiled code, or among the constants."""
+    """Separate a function into code, numbers and constants; unless `free`, its numbers are among the constants."""
     try:
         return _taken_apart(function, (), free)
     except CannotTellError:
-        # What was compiled already stays as it is; a Python function may have changed since it was last seen.
+        # A compiled function does not change any more; a Python function may have changed since it was last seen.
         return Taken(function if isinstance(function, CPUDispatcher) else object(), function)
 
 
 def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
-    """Take a function apart, with its numbers `free` or among the constants."""
+    """Do the work of `taken_apart`, for a function called by `callers`."""
     python, options = function, ""
     if isinstance(function, CPUDispatcher):
         python, options = function.py_func, written(function.targetoptions)
@@ -128,7 +129,7 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
         raise CannotTellError
     names, around = names_of(python.__code__), (*callers, function)
     if overloaded_elsewhere() & {*names.all, *names.globals}:
-        raise CannotTellError  # what these functions do is not in their names
+        raise CannotTellError  # the behaviour of overloaded functions is not determined by their names
     numbers: dict[str, Any] = {}
     constants: dict[str, Any] = {}
     callees: dict[str, Taken] = {}
@@ -143,7 +144,7 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
     for name, callee in callees.items():
         numbers |= {f"{name}__{number}": value for number, value in callee.numbers.items()}
     if len(numbers) > len({*numbers} - {*constants}):
-        raise CannotTellError  # a name of the function's own looks like that of a callee's number
+        raise CannotTellError  # one of the function's own names equals that of a callee's number
     described = tuple((name, _constant(value, names, around)) for name, value in sorted(constants.items()))
     called = tuple((name, callee.key) for name, callee in sorted(callees.items()))
     shapes = tuple((name, np.shape(value)) for name, value in sorted(numbers.items()))
@@ -151,16 +152,16 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
 
 
 def _is_of_doubles(function: Any) -> bool:
-    """Whether the signatures that a function was compiled for round nothing: it may be compiled again for what it is given.
+    """Whether all signatures of a function are of doubles, so that compiling it for other arguments would not change rounding.
 
-    Only one that is called by no other compiled one, which might give it integers to convert.
+    This holds only if no compiled function calls it, which might pass integers to convert.
     """
     types_ = [each for signature in function.nopython_signatures for each in (*signature.args, signature.return_type)]
     return all(getattr(each, "dtype", each) in (numba.types.float64, numba.types.none) for each in types_)
 
 
 def _is_simply_called(name: str, function: Any, names: Names) -> bool:
-    """Whether a function is only called, and can be given more arguments in every call."""
+    """Whether a function is only called, never passed on, so that arguments can be added to every call."""
     return name in names.callees and name not in names.inner and not any(True for _ in _defaults(function.py_func))
 
 
@@ -178,7 +179,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _makes_roots_and_products(value: Any) -> bool:
-    """Whether a power with this exponent, if the compiler knows it, is as quick and rounded as NumPy's: x * x for x**2.0."""
+    """Whether a power with this exponent, as a constant, is as fast and rounded as NumPy's: x * x for x**2.0."""
     return type(value) in (float, np.float64) and float(2 * value).is_integer()
 
 
@@ -205,7 +206,7 @@ def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:
-    """Write down a constant so that it is the same in every process."""
+    """Return a description of a constant that is the same in every process."""
     if type(value) in _PLAIN:
         return type(value).__name__, repr(value)
     if isinstance(value, np.generic) and value.dtype.kind in "biufc":
@@ -230,14 +231,14 @@ _keys: WeakKeyDictionary[Any, Hashable] = WeakKeyDictionary()
 
 
 def _as_before(function: Any, key: Hashable) -> Hashable:
-    """Refuse a function that is taken from where it is, and may have been compiled before its constants changed."""
+    """Refuse a function that is used in place, and may have been compiled before its constants changed."""
     if _keys.setdefault(function, key) != key:
         raise CannotTellError
     return key
 
 
 def _of_module(module: ModuleType, names: Names, around: tuple[Any, ...]) -> Hashable:
-    """Write down what a function may use of a module: whatever has a name that the function mentions."""
+    """Describe what a function may use of a module: every attribute whose name occurs in the function."""
     if _is_library(module.__name__):
         return module.__name__
     used = {name: getattr(module, name) for name in sorted(names.all) if hasattr(module, name)}
@@ -251,7 +252,7 @@ def _is_library(module: str) -> bool:
 
 
 def _name_in_library(value: Any) -> str | None:
-    """Return where a function, type or ufunc is found in a library, None if it is not."""
+    """Return the qualified name of a function, type or ufunc of a library; None if it is not from one."""
     module, name = getattr(value, "__module__", None), getattr(value, "__qualname__", getattr(value, "__name__", None))
     if isinstance(value, np.ufunc):
         module = "numpy"
@@ -263,5 +264,5 @@ def _name_in_library(value: Any) -> str | None:
 
 
 def _copied(value: Any) -> Any:
-    """Copy what may change."""
+    """Copy a mutable value."""
     return value.copy(order="K") if type(value) is np.ndarray else value

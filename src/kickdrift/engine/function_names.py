@@ -1,4 +1,4 @@
-"""What the code of a function mentions, read from its bytecode."""
+"""Names that occur in the code of a function, read from its bytecode."""
 
 import dis
 import sys
@@ -14,14 +14,14 @@ from kickdrift.core.naming import digest
 
 
 class CannotTellError(Exception):
-    """One cannot tell what compiled code of a function is made of."""
+    """The dependencies of a function's compiled code cannot be determined."""
 
 
 @dataclass(frozen=True)
 class Names:
-    """What a code mentions: its globals, the names that functions inside of it use, all its names, and its digest.
+    """Names in a code: globals, names used by inner functions, all names; and its digest.
 
-    Beside them, which names are exponents of powers, and which stand for functions that are called and nothing else.
+    Further, the names that are exponents of powers, and those of functions that are only called.
     """
 
     globals: tuple[str, ...]
@@ -34,12 +34,12 @@ class Names:
 
 @lru_cache(maxsize=1024)
 def names_of(code: CodeType) -> Names:
-    """Read the names in a code and in those of functions inside of it.
+    """Read the names in a code and in those of its inner functions.
 
     Raises
     ------
     CannotTellError
-        If the function changes what it mentions, or imports.
+        If the function assigns to globals or free variables, or imports.
     """
     codes = list(_codes(code))
     loaded, stored, exponents = set(), set(), set()
@@ -72,7 +72,7 @@ def names_of(code: CodeType) -> Names:
 
 
 def overloaded_elsewhere() -> frozenset[str]:
-    """Return the names of functions and methods for which others than Numba have told Numba what to compile."""
+    """Return the names of functions and methods for which other packages have registered overloads with Numba."""
     registry = templates.builtin_registry
     return _overloaded(len(registry.functions), len(registry.attributes))
 
@@ -88,7 +88,7 @@ def _overloaded(n_functions: int, n_attributes: int) -> frozenset[str]:
 
 
 def _callees(code: CodeType) -> frozenset[str]:
-    """Return the names that are loaded with the mark of a call, and never without."""
+    """Return the names that are only loaded to be called."""
     called: set[str] = set()
     loaded: set[str] = set()
     instructions = [None, *dis.get_instructions(code), None]

@@ -1,4 +1,4 @@
-"""The grid of a run: equal steps over the span, and which of them are kept."""
+"""The grid of a run: steps over the span, and the rows to keep."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ class Grid:
     Attributes
     ----------
     t0, t1, step : float
-        Start and end, and the step with its sign.
+        Start and end, and the signed step.
     n_steps : int
-        How many steps there are.
+        Number of steps.
     save_steps : (T,) array of int
         The steps after which the state is kept, 0 for the start.
     times : (T,) array
         Their times.
     wanted : array or None
-        The times that the solution has instead, between those as they may be.
+        The times of the solution's rows, if they were given; they may lie between steps.
     every : int or None
-        How many steps lie between rows; None where times were given.
+        Number of steps between rows; None if times were given.
     streamed : bool
-        Whether rows go to disk: their steps and times are not laid out, which would take memory.
+        Whether rows go to disk: then `save_steps` and `times` are empty, to save memory.
     """
 
     t0: float
@@ -47,25 +47,25 @@ class Grid:
     streamed: bool = False
 
     def rows_after(self, step: int) -> NDArray[np.int64]:
-        """Return the steps up to one after which a run to that end, or to a later one, keeps rows."""
+        """Return the steps up to `step` after which rows are kept by a run that ends there or later."""
         steps = self.save_steps[: int(np.searchsorted(self.save_steps, step, side="right"))]
         return steps if self.every is None or not steps.size or steps[-1] % self.every == 0 else steps[:-1]
 
 
 @dataclass(frozen=True)
 class Course:
-    """A span that steps of varying sizes lead over, and the rows of the solution.
+    """A span covered by variable steps, and the rows of the solution.
 
     Attributes
     ----------
     t0, t1, step : float
-        Start and end, and the first step with its sign.
+        Start and end, and the signed first step.
     stride : int
-        The state is kept before every so many steps, 0 for none.
+        Number of steps between rows, 0 if times were given.
     marks : (M,) array
-        Times before which the last state is kept, in the order in which they come, the end for the last.
+        Times before each of which the last state is kept, in the order of the run; the last is the end.
     wanted : array or None
-        The times that the solution has instead of those of its steps, between them as they may be.
+        The times of the solution's rows, if they were given; they may lie between steps.
     streamed : bool
         Whether rows go to disk.
     """
@@ -87,14 +87,14 @@ def lay_course(
     divides: bool = False,
     streamed: bool = False,
 ) -> Course:
-    """Lay out a run whose steps vary, from the first one on; without one it is a thousandth of the span at most.
+    """Lay out a run with variable steps; the first one is by default a thousandth of the span.
 
-    Where steps are equal but for cuts, the first one divides the span.
+    With `divides`, for steps that are equal but for cuts, the first one divides the span.
 
     Raises
     ------
     ArgumentError
-        For a span or step that cannot be, or times outside of the span.
+        For an invalid span or step, or times outside the span.
     """
     t0, t1 = _span(t_span)
     length = abs(t1 - t0)
@@ -122,13 +122,13 @@ def lay_grid(
     Raises
     ------
     ArgumentError
-        For a span or step that cannot be, times outside of the span, or more rows than fit in memory, unless they are
-        `streamed` to disk.
+        For an invalid span or step, times outside the span, or more rows than fit in memory, unless they are `streamed` to
+        disk.
     """
     t0, t1 = _span(t_span)
     length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
-    # A quotient a few roundings above a whole number is that number: 1.1 / 0.1 = 11.000000000000002. The length has
-    # the rounding of the times in it: 20.1 - 20 = 0.10000000000000142.
+    # A quotient that exceeds a whole number by a few roundings is that number: 1.1 / 0.1 = 11.000000000000002. The length
+    # contains the rounding of the times: 20.1 - 20 = 0.10000000000000142.
     rounding = np.finfo(float).eps * (8 + 4 * (farthest / length))
     largest = _largest_step(step, length, rounding)
     n_steps = max(1, math.ceil(length / largest * (1 - rounding)))
@@ -187,15 +187,15 @@ def _largest_step(step: float | None, length: float, rounding: float) -> float:
 
 
 def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
-    """Lay the same steps up to another end, with the rows of a run that had always ended there.
+    """Extend the grid to another end with the same steps, and the rows of a single run to that end.
 
-    Where times were given, the new end is kept, too.
+    If times were given, the new end is kept, too.
 
     Raises
     ------
     ArgumentError
-        For an end that is no whole number of steps away, or not after those that are `done`; and for more rows than fit in
-        memory.
+        For an end that is not a whole number of steps away, or not after the steps that are `done`; and for more rows than fit
+        in memory.
     """
     try:
         t1 = real(t1)
@@ -230,7 +230,7 @@ def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
 
 
 def with_step(grid: Grid, step: float) -> Grid | None:
-    """Lay a grid with a step that differs by rounding, if at all; None if it would end elsewhere."""
+    """Return the grid with another step; None if it differs by more than rounding, so that it would end elsewhere."""
     rounding = 1e-9 * abs(step) + 4 * np.spacing(max(abs(grid.t0), abs(grid.t1)))
     if abs(grid.t0 + grid.n_steps * step - grid.t1) > rounding:
         return None
@@ -240,7 +240,7 @@ def with_step(grid: Grid, step: float) -> Grid | None:
 
 
 def _every(t0: float, t1: float, h: float, n_steps: int, every: int) -> Grid:
-    """Return a grid that keeps every so many steps, and the last."""
+    """Return a grid that keeps one row in `every` steps, and the last."""
     save_steps = np.arange(0, n_steps + 1, min(every, n_steps), dtype=np.int64)
     if save_steps[-1] != n_steps:
         save_steps = np.append(save_steps, n_steps)

@@ -1,6 +1,6 @@
-"""What determines a run, in words that are the same in every process: only the same run can be resumed.
+"""The identity of a run: digests, equal in every process, of everything that determines it. Only the same run can be resumed.
 
-It guards against mistakes. Where one cannot tell what a function uses, its code alone is compared.
+It guards against mistakes. Where the dependencies of a function cannot be determined, its code alone is compared.
 """
 
 from collections.abc import Hashable, Mapping, Sequence
@@ -21,11 +21,11 @@ from kickdrift.engine.start import Start
 from kickdrift.methods import Method
 
 _FLOORS = "core", "methods", "systems", "engine", "world"
-_FLAGS = "terminal", "direction", "rate_bound"  # of the functions that are events
+_FLAGS = "terminal", "direction", "rate_bound"  # attributes of event functions
 
 
 def version() -> str:
-    """Name the version whose bits a run has."""
+    """Return the version, which determines the bits of a run."""
     return f"kickdrift {VERSION}, sources {source_digest(*_FLOORS)}"
 
 
@@ -40,10 +40,10 @@ def identity_of(
     events: Any,
     steps: Any,
 ) -> dict[str, str]:
-    """Return what determines a run, by the names of the arguments of `solve`.
+    """Return the identity of a run, by the names of the arguments of `solve`.
 
-    Of equal steps their size and the rows are left out, which are compared where they are known: another end changes both.
-    Where sizes vary the end must be the same.
+    For equal steps it contains neither their size nor the rows, which change with the end and are compared when a run resumes.
+    For variable steps it contains the end.
     """
     varies = isinstance(grid, Course)
     rows: list[Any] = [grid.stride, grid.wanted, grid.streamed] if isinstance(grid, Course) else []
@@ -65,13 +65,13 @@ def identity_of(
 
 
 def marked(events: Any) -> list[Any]:
-    """Return functions that are events, and the attributes by which users mark them."""
+    """Return event functions and their attributes."""
     functions = list(functions_of(events))
     return [functions, [[getattr(function, flag, None) for flag in _FLAGS] for function in functions]]
 
 
 def written(value: Any) -> Hashable:
-    """Write down a value."""
+    """Return a description of a value that is the same in every process."""
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, digest(np.ascontiguousarray(value).tobytes())
     if isinstance(value, Enum):

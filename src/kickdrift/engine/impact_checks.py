@@ -1,4 +1,4 @@
-"""Numbers of impacts, checked: masses, restitution and friction of gaps, and that these are open at the start."""
+"""Checks of impacts: masses, restitution and friction of gaps, and that these are not closed at the start."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 def masses_of(given: Any, problem: Any, system: System) -> Floats:
-    """Return a mass to each number of the state."""
+    """Return a mass for each component of the state."""
     if given is None:
         given = getattr(problem, "mass", 1.0) if system.gm is None else system.gm
     masses = fitted("mass", given, system.x0.shape)
@@ -28,7 +28,7 @@ def masses_of(given: Any, problem: Any, system: System) -> Floats:
 
 
 def check_friction(friction: Floats, gaps: Quantity, system: System, t0: float) -> None:
-    """Refuse friction in gaps that more than one body has a part in: it would depend on who is at rest."""
+    """Refuse friction in gaps between two bodies: it is defined here only against surroundings at rest."""
     if system.x0.ndim < 2 or not friction.any():
         return
     touched = np.zeros(friction.size, dtype=int)
@@ -53,7 +53,7 @@ def check_friction(friction: Floats, gaps: Quantity, system: System, t0: float) 
 
 
 def numbers_of(name: str, value: ArrayLike, count: int, most: float) -> Floats:
-    """Return a number to each gap, from 0 to the `most` that it may be.
+    """Return a number for each gap, from 0 to `most`.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def numbers_of(name: str, value: ArrayLike, count: int, most: float) -> Floats:
 
 
 def check_start(start: Floats, count: int, length: float) -> None:
-    """Refuse a start beyond one of so many surfaces, for positions of some size.
+    """Refuse a start beyond one of the first `count` surfaces, by more than rounding relative to `length`.
 
     Raises
     ------

@@ -143,9 +143,9 @@ def cut_steps(
     adapter: Adapter,
     place_of_sides: int,
 ) -> tuple[System, Controller]:
-    """Make impacts and switches ready; the system gets their gaps as a part.
+    """Prepare impacts and switches; their gaps become a part of the system.
 
-    In the params of the system the sides are from `place_of_sides` on, if that is not negative.
+    The sides are at `place_of_sides` in the params of the system, if that is not negative.
 
     Raises
     ------
@@ -198,11 +198,11 @@ def cut_steps(
         function=whole,
     )
     parts = {**system.parts, "gaps": whole.function}
-    return replace(system, parts=parts, exact=None), controller  # which knows of no impacts
+    return replace(system, parts=parts, exact=None), controller  # the exact solution would ignore impacts
 
 
 def spelled(spell: Spell, word: Word) -> Spelled:
-    """Cut the steps of a word."""
+    """Add the letters that cut steps to a word."""
     whole = Fraction(1)
     return [("begin-cut", whole, Fraction(0)), *spell(word), ("end-cut", whole, whole)]
 
@@ -213,7 +213,7 @@ def _between(spell: Spell, word: Word) -> Spelled:
 
 
 def sides_at(switches: Any, problem: Any, adapter: Adapter) -> Floats:
-    """Return on which side of each switch the start is, 1 or -1; nothing for systems, which have their own params.
+    """Return the side of each switch on which the start is, 1 or -1; nothing for systems, which have their own params.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Members of an ensemble one after the other, without the interpreter in between: steps of all kinds, on states of any size."""
+"""Members of an ensemble one after the other in compiled code: steps of all kinds, on states of any size."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ def _run(
     vs: Any,
     trouble: Floats,
 ) -> None:
-    """Run each member from one step to another with its params and its work, as `kickdrift.engine.run` does one."""
+    """Run each member from one step to another with its params and its work array, as `kickdrift.engine.run` does."""
     for m in range(starts.shape[0]):
         assign(x, starts[m])
         assign(v, velocities[m])
@@ -132,7 +132,7 @@ class Members:
 
 @dataclass(frozen=True)
 class Turns:
-    """What members have left: rows as people see them, (M, T, *shape), force evaluations, and which reached the end."""
+    """Results of the members: rows in the user's coordinates, (M, T, *shape), force evaluations, and which reached the end."""
 
     x: Floats
     v: Floats
@@ -143,7 +143,7 @@ class Turns:
 def run_in_turn(
     processing: Processing, between: Callable[[], Processing], grid: Grid, x: Floats, v: Floats, params: Floats
 ) -> Turns:
-    """Run members from their starts, (M, *shape), with their params, (M, p), which are the same where states are processed."""
+    """Run members from their starts, (M, *shape), with their params, (M, p), which are equal if states are processed."""
     system, count, rows = processing.system, x.shape[0], grid.save_steps.size
     members = Members(processing, grid, x, v, params)
     xs, vs, good = members.advance(slice(None), 0, grid.n_steps, grid.save_steps)
@@ -151,7 +151,7 @@ def run_in_turn(
     xs, vs = processing.seen(np.tile(grid.times, count), xs.reshape(flat[0]), vs.reshape(flat[1]))
     xs, vs = xs.reshape(count, rows, *system.x0.shape), vs.reshape(count, rows, *system.v0.shape)
     if grid.save_steps[0] == 0:
-        xs[:, 0], vs[:, 0] = x, v  # which there and back is but for rounding
+        xs[:, 0], vs[:, 0] = x, v  # exactly: transformed there and back it would differ by rounding
     once = members.primed + processing.evaluations(rows)
     evaluations = grid.n_steps * processing.kernel.program.evaluations + once + members.counted
     if grid.wanted is not None and good.any():

@@ -1,4 +1,4 @@
-"""Conserved quantities of a solution, evaluated when they are asked for."""
+"""Conserved quantities of a solution, evaluated on first access."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -10,7 +10,7 @@ Floats = NDArray[np.float64]
 
 
 class Invariants(Mapping[str, Floats]):
-    """Conserved quantities by name, each evaluated when it is first asked for."""
+    """Conserved quantities by name, each evaluated on first access."""
 
     def __init__(self, names: tuple[str, ...], evaluate: Callable[[str], Floats]) -> None:
         self._names = names
@@ -31,7 +31,7 @@ class Invariants(Mapping[str, Floats]):
         return len(self._names)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Pickled by value: the system may hold functions that cannot be.
+        # Pickled by value, since the system may contain functions that cannot be pickled.
         return Invariants, (self._names, dict(self).__getitem__)
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Where a run stands, as a checkpoint holds it."""
+"""Conversion between the progress of a run and a checkpoint on disk."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -20,7 +20,7 @@ _ROWS = "rows: "
 
 
 def keep(checkpoints: Checkpoints, grid: Grid | Course, standing: Standing) -> None:
-    """Write a checkpoint of where a run stands.
+    """Write a checkpoint of the progress of a run.
 
     Raises
     ------
@@ -43,22 +43,22 @@ def keep(checkpoints: Checkpoints, grid: Grid | Course, standing: Standing) -> N
 def find(
     checkpoints: Checkpoints, grid: Grid | Course, blank: State, events: int
 ) -> tuple[Grid | Course, Standing, str] | None:
-    """Return where a run stands, on a grid of its own step, and what is to be said of that; None if it is not begun.
+    """Return the grid with the run's own step, its progress, and a sentence for the message; None if there is no checkpoint.
 
     Parameters
     ----------
     checkpoints : Checkpoints
     grid : Grid or Course
-        As it would be for a run from the start.
+        The grid of a run from the start.
     blank : State
-        Of the loop, as large as that which was kept.
+        A state of the loop, of the same size.
     events : int
-        How many there are.
+        Number of event functions.
 
     Raises
     ------
     ArgumentError
-        If the checkpoint is one of another run.
+        If the checkpoint belongs to another run.
     FileFormatError
         If it is damaged.
     """
@@ -91,14 +91,14 @@ def find(
 
 
 def _names_of_rows(grid: Grid | Course) -> list[str]:
-    """Return the names of the arrays that rows are kept in, sorted."""
+    """Return the sorted names of the arrays of rows."""
     if isinstance(grid, Course):
         return ["sizes", *["stored"] * grid.streamed, "ts", "vs", "xs"]
     return ["stored" if grid.streamed else "steps", "vs", "xs"]
 
 
 def _state_of(arrays: Arrays, blank: State) -> State:
-    """Return the state of the loop of what was kept of it."""
+    """Return the state of the loop from the arrays of a checkpoint."""
     state = replace(blank, x=arrays["x"], v=arrays["v"], work=blank.work.copy(), scratch=arrays["scratch"])
     at = 0
     for part in state.kept:
@@ -109,7 +109,7 @@ def _state_of(arrays: Arrays, blank: State) -> State:
 
 
 def _seen_of(header: Mapping[str, Any], arrays: Arrays, events: int) -> Seen:
-    """Return what was found of events."""
+    """Return the zeros of events found so far."""
     columns = zip(*(arrays[f"zeros {name}"] for name in Zero._fields), strict=True)
     zeros = tuple(Zero(float(t), int(event), x, v) for t, event, x, v in columns)
     waiting = tuple(

@@ -1,11 +1,11 @@
-"""Letters for many members of an ensemble at once: the flow of one, in a loop over the lanes of a block of members.
+"""Letters for many members of an ensemble at once: the flow of one member, in a loop over the lanes of a block.
 
-A letter gathers the numbers of a lane from a block into local arrays of constant sizes, has the flow work on them, and
-scatters what it leaves. The arrays stay in registers, and the loop over lanes becomes one over vectors of them, as far as the
-system's functions allow. Each lane has the operations of one member alone in their order, and so its bits.
+A letter gathers the numbers of a lane from a block into local arrays of constant sizes, applies the flow to them, and scatters
+the results. The arrays stay in registers, and the loop over lanes is vectorised as far as the system's functions allow. Each
+lane does the operations of one member alone, in the same order, and so has the same bits.
 
-A block of F fields lies in memory as F x LANES numbers, a field after the other. With one constant between neighbours of a lane
-the compiler knows that vectors of up to LANES do not overlap. The fields are those of `Fields`.
+A block of F fields is F x LANES numbers in memory, one field after the other. Since the distance between fields is constant,
+the compiler can prove that vectors of up to LANES do not overlap. The fields are those of `Fields`.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 LANES = 64  # members of a block: a call of a letter is shared by them, and Kepler's fields fill 7 KB
-_MOST_NUMBERS = 24  # of a state, and params: what is gathered has to stay in registers
+_MOST_NUMBERS = 24  # of a state, and of params: the gathered numbers have to stay in registers
 
 SIZE = SIZE_OF_V = PARAMS = ACCELERATIONS = RESIDUALS = TAIL = WORK = ROOM_OF_V = ROOM_OF_PARAMS = 0  # bound by `build`
 flow: Callable[..., None] = unbound
@@ -34,10 +34,9 @@ flow: Callable[..., None] = unbound
 
 @dataclass(frozen=True)
 class Fields:
-    """How many fields of each sort a block has, in this order: x, v, params, and what steps leave in work to the next.
+    """Numbers of fields of a block, in this order: x, v, params, and the parts of work that steps pass to the next.
 
-    These are accelerations, what compensated sums have rounded off, and the single numbers at its end, see
-    `kickdrift.engine.flows.layout`.
+    These are accelerations, residuals of compensated sums, and the scalars at its end, see `kickdrift.engine.flows.layout`.
     """
 
     x: int
@@ -49,12 +48,12 @@ class Fields:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Total number of fields."""
         return self.x + self.v + self.params + self.accelerations + self.residuals + self.tail
 
 
 def fields_of(system: System, program: Program, compensated: bool) -> Fields | None:
-    """Return the fields of a program on a system, None where its flows keep more than lanes have room for."""
+    """Return the fields of a program on a system; None if its flows need more memory than lanes have."""
     names = program.flows + program.primers
     n, n_v, flows = system.x0.size, system.v0.size, [FLOWS[name] for name in names]
     functions = functions_of(system, program)
@@ -106,7 +105,7 @@ def _letter(t: float, h: float, block: Any) -> None:
 
 
 def build(name: str, system: System, program: Program, compensated: bool, fields: Fields) -> Function:
-    """Bind the flow `name` to a system for the lanes of blocks of such fields."""
+    """Bind the flow `name` to a system, for the lanes of blocks with these fields."""
     functions = functions_of(system, program)
     called = sorted(parts_called(FLOWS[name]))
     inlined = tuple((part, functions[part]) for part in called)

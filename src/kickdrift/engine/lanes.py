@@ -1,4 +1,4 @@
-"""Many members of a problem at once: blocks of them, each of which does all its steps while it lies in the nearest cache."""
+"""Many members of a problem at once, in blocks, each of which does all its steps while it stays in the L1 cache."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +18,7 @@ from kickdrift.engine.program import Program
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
-_WORDS = 2  # that describe a block: how many lanes of it are used, and its address
+_WORDS = 2  # of a block's descriptor: the number of lanes in use, and the address
 _VECTOR = 8  # lanes in a register
 
 _INTEGERS, _FLOATS = (types.Array(kind, 1, "C") for kind in (types.int64, types.float64))
@@ -49,12 +49,12 @@ def _advance(
 ) -> int:
     """Run the steps from `first` to `last` on each block, copying the members into their rows after each of `save_steps`.
 
-    Times and weights are reckoned as in `kickdrift.engine.loop.advance`.
+    Times and weights are computed as in `kickdrift.engine.loop.advance`.
 
     Returns
     -------
     saved : int
-        How many rows are filled.
+        Number of rows filled.
     """
     row = saved
     for b in range(n_blocks):
@@ -96,7 +96,7 @@ class Lanes:
     program: Program
     fields: Fields
     _flows: NDArray[np.int64]  # addresses of the letters, those of the primers last
-    _alive: Any  # what the addresses point to
+    _alive: Any  # the functions at these addresses, kept alive
 
     def blocks(self, x: Floats, v: Floats, params: Floats) -> "Blocks":
         """Lay members out in blocks: arrays of shape (M, n)."""
@@ -104,7 +104,7 @@ class Lanes:
 
 
 def compile_lanes(system: System, program: Program, compensated: bool) -> Lanes:
-    """Compile, or take from disk, a program on a system for blocks of members that hold what it keeps, see `fields_of`."""
+    """Compile a program on a system for blocks of members, or load it from disk."""
     fields = fields_of(system, program, compensated)
     assert fields is not None
     built = [build(name, system, program, compensated, fields) for name in program.flows + program.primers]
@@ -113,9 +113,9 @@ def compile_lanes(system: System, program: Program, compensated: bool) -> Lanes:
 
 
 class Blocks:
-    """Members on their way.
+    """Members during a run.
 
-    The lanes of the last block that are left over have its last member once more.
+    The unused lanes of the last block repeat its last member.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class Blocks:
         self._words[:, 1] = room.ctypes.data + 8 * fields.count * LANES * np.arange(n_blocks)
 
     def advance(self, grid: Grid, first: int, last: int, xs: Floats, vs: Floats) -> None:
-        """Do the steps from `first` to `last`, and keep rows in arrays of shape (M, T, n); the first begins at the start."""
+        """Do the steps from `first` to `last`, and keep rows in arrays of shape (M, T, n)."""
         lanes, program = self._lanes, self._lanes.program
         if first == 0 and grid.save_steps[0] == 0:
             xs[:, 0], vs[:, 0] = self._member_numbers(0, xs.shape[2]), self._member_numbers(xs.shape[2], vs.shape[2])
@@ -155,7 +155,7 @@ class Blocks:
 
     @property
     def good(self) -> NDArray[np.bool_]:
-        """Which members have finite states, and had no trouble."""
+        """Which members have finite states and did not fail."""
         fields = self._lanes.fields
         good: NDArray[np.bool_] = np.asarray(np.isfinite(self._member_numbers(0, fields.x + fields.v)).all(axis=1))
         if fields.tail:

@@ -1,4 +1,4 @@
-"""Letters: flows bound to a system and compiled to what the loop calls, ``letter(t, h, state)``."""
+"""Letters: flows bound to a system and compiled to the functions that the loop calls, ``letter(t, h, state)``."""
 
 from collections.abc import Callable
 from functools import cache, lru_cache
@@ -38,7 +38,7 @@ def _letter(t: float, h: float, state: Any) -> None:
 
 
 def functions_of(system: System, program: Program) -> dict[str, Function]:
-    """Return what the flows of a program call, by the names of `kickdrift.engine.flows.layout.PARTS`."""
+    """Return the functions that the flows of a program call, by the names of `kickdrift.engine.flows.layout.PARTS`."""
     functions = {"acceleration": system.acceleration, **system.parts}
     if system.velocity is not None:
         functions["velocity"] = system.velocity
@@ -61,18 +61,18 @@ def parts_called(known: Flow) -> frozenset[str]:
 
 
 def _inlined(system: System, known: Flow) -> tuple[str, ...]:
-    """Return which functions of a system are compiled into a flow, which is then a flow of this system alone.
+    """Return the functions of a system that are inlined into a flow, which is then compiled for this system alone.
 
-    A user's waits for that. A call by address takes 2 ns, which no one sees beside the forces of a large state.
+    With a user's function that takes time; a call by address costs 2 ns, negligible beside the forces of a large state.
     """
     return known.inlined if system.packaged or system.x0.size <= _SMALL else ()
 
 
 def build(name: str, system: System, program: Program, compensated: bool, scratch: Any) -> Function:
-    """Bind the flow `name` to a system: compiled where the system is native, for the interpreter where not.
+    """Bind the flow `name` to a system: compiled if the system is native, otherwise for the interpreter.
 
-    The interpreter needs the scratch itself. A system's own kick leaves no acceleration behind, so it serves where none
-    is used again.
+    Only the interpreter needs `scratch`. A system's own kick does not keep the acceleration, so it is used only where that is
+    not used again.
     """
     n = system.x0.size
     functions = functions_of(system, program)
@@ -87,14 +87,14 @@ def build(name: str, system: System, program: Program, compensated: bool, scratc
     own = None
     if known.again and system.kick is not None and not (program.split or known.again in program.flows):
         own = system.kick(compensated)
-    # Flows with parts are large: most are compiled once for all sizes.
+    # Flows with parts are large: most are compiled only once, for all sizes.
     most = layout.FEW if known.constants else 0 if known.parts else _SMALL
     sizes = (n, system.v0.size) if n <= most else None
     return _native(known, name, inlined, own, sizes, compensated, system.packaged, tuple(constants.items()))
 
 
 def shared() -> list[tuple[Function, Any]]:
-    """Return the letters that are compiled once for all systems, or for many, and the signature of each."""
+    """Return the letters that are compiled once for all systems, or for many, with their signatures."""
     found = []
     for name, known in FLOWS.items():
         if not known.inlined:
@@ -134,7 +134,7 @@ def _native(
     bound_to = own or (inlined[0][1] if inlined else template)
     hot = known.constants is not None and sizes is not None
     for part, function in known.parts.items():
-        # Not all forced inline, and none for many numbers: implicit Runge-Kutta flows compile in half the time.
+        # Not all are inlined, and none for large states: implicit Runge-Kutta flows compile in half the time.
         bound_part = specialise(function, part, **bindings)
         bindings[part] = compiled(cached=False, inline=hot and part in _CALLED_ONCE)(bound_part)
         if part == "residual":

@@ -57,7 +57,7 @@ CHANGE = types.none(
 )
 
 ACCEPTED, TRIALS, ROWS, WANTED = range(4)
-"""Marks of adaptive steps: those taken, those tried, the rows filled, and the times passed of those that are wanted."""
+"""Counters of adaptive steps: steps taken, steps tried, rows filled, and wanted times passed."""
 
 call = caller(LETTER)
 
@@ -86,7 +86,7 @@ def advance(
     Returns
     -------
     step : int
-        Where it ended: `last`, or the step that a flow could not do.
+        The last step: `last`, or the one at which a flow failed.
     saved : int
         How many rows are filled.
     """
@@ -124,15 +124,15 @@ def advance_adaptively(
     xs: Floats,
     vs: Floats,
 ) -> int:
-    """Run steps, whose sizes the letters themselves choose, until `last` are taken, or the end is passed.
+    """Run steps, whose sizes the letters themselves choose, until `last` are taken or the end is passed.
 
-    The state before a step, its time, and the size of the step are kept in a row for every `stride` of them (for the first
-    alone if it is 0), and for each that passes one of the times that are `wanted`, of which the end is the last.
+    The state before a step, its time and its size are kept in a row for one step in `stride` (for the first alone if that is
+    0), and for each step that passes one of the `wanted` times, of which the end is the last.
 
     Returns
     -------
     steps : int
-        How many are taken.
+        Number of steps taken.
     """
     sign = 1.0 if work[FIRST_STEP] > 0.0 else -1.0
     while marks[ACCEPTED] < last and not at_end(work):
@@ -185,10 +185,10 @@ def change(
     xs: Floats,
     vs: Floats,
 ) -> None:
-    """Overwrite each row of xs and vs by what steps of one size from its time give, begun with blank work; NaN if a flow fails.
+    """Advance each row of xs and vs by steps of one size from its time, with a blank work array; NaN if a flow fails.
 
-    Each row has `numbers` of its own as params, if there are any. Letters that move the clock themselves leave it in `clocks`,
-    and flows the force evaluations that they count in `counted`.
+    Each row of `numbers`, if there are any, is the params of one row. `clocks` get the final times of letters that move the
+    clock, and `counted` the evaluations that flows count themselves.
     """
     for row in range(times.size):
         assign(x, xs[row])

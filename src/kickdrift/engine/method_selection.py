@@ -1,4 +1,4 @@
-"""Whether a method fits a system, and which one does."""
+"""Selection of a method for a system, and checks that a given one suits it."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -23,7 +23,7 @@ MERGING = "close-encounters"
 
 @dataclass(frozen=True)
 class Choice:
-    """A method, and why ``"auto"`` takes it; no reason where it was named, by its name or an alias."""
+    """A method, with the reason for the choice of ``"auto"``; none if it was named, by its name or an alias."""
 
     method: Method
     reason: str = ""
@@ -31,7 +31,7 @@ class Choice:
 
     @property
     def name(self) -> str:
-        """The name by which it was asked for, else its own."""
+        """The name by which it was requested, otherwise its own."""
         return self.alias or self.method.name
 
 

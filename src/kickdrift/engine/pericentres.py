@@ -1,4 +1,4 @@
-"""How fast light bodies pass their pericentres, by which ``"auto"`` chooses among the splittings for them."""
+"""Angular velocities at pericentres, by which ``"auto"`` chooses among the splittings for planetary systems."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from kickdrift.systems.system import System
 
 
 def fastest_pericentre(system: System) -> float:
-    """Return the largest angular velocity at a pericentre, of the Kepler orbits that a system of planets is split into."""
+    """Return the largest angular velocity at a pericentre of the Kepler orbits into which a planetary system is split."""
     x, v = system.x0, system.v0
     if system.frame is not None:
         x, v = system.frame.enter(x, v)

@@ -1,4 +1,4 @@
-"""Phase errors: by how much time a run is ahead of the exact motion, or of another run."""
+"""Phase errors: the time by which a run is ahead of the exact motion, or of another run."""
 
 from collections.abc import Callable
 
@@ -9,11 +9,15 @@ Floats = NDArray[np.float64]
 Motion = Callable[[Floats], tuple[Floats, Floats]]
 
 _ROUNDS = 8
-_ENOUGH = 1e-7  # of a step: the round that moves by so much has come much nearer than that
-_DIFFERENCE = 1 / 16  # of a step: the direction of motion is off by (step / period)^2 / 40 or so
-_MOST = 1000  # rows of which there is a mean
-_SOUGHT, _PROBES, _MISSED = 1 << 15, 1 << 10, 1e-3  # of many rows; between those; by how much these may be missed
-_FIRST, _GROWTH = 8, 8  # rows that are sought from nothing, and by which part of those done the next are more
+_TOLERANCE = 1e-7  # of a step: convergence is quadratic, so that the error after such an increment is much smaller
+_DIFFERENCE = 1 / 16  # of a step: the direction of motion has an error of about (step / period)^2 / 40
+_MOST = 1000  # rows that are averaged for the scales
+_COMPUTED, _PROBES, _MISSED = (
+    1 << 15,
+    1 << 10,
+    1e-3,
+)  # rows computed of many; rows to test the splines; allowed error there
+_FIRST, _GROWTH = 8, 8  # rows without an initial guess; each batch is a _GROWTH-th of the rows done
 
 
 def time_shift(
@@ -21,13 +25,13 @@ def time_shift(
 ) -> Floats:
     """Return by how much later a motion comes nearest to the states of a run, (T,); NaN where they are not finite.
 
-    It measures by how much time the run is ahead along its orbit, and not how far it is off it. Of many rows in the order of
-    time some 32,000 are sought, and cubic splines lead from one to the next, unless a thousand rows between them show that
-    these miss it by more than a thousandth of the largest.
+    It measures the time by which the run is ahead along its orbit, not its distance from it. For many rows in the order of
+    time, some 32,000 are computed and interpolated by cubic splines, unless these have errors of more than a thousandth of
+    the largest shift at a thousand rows in between.
 
-    At the time sought the difference of the states has no part along the motion: Newton's method for the least distance, with
-    positions and velocities in terms of their root mean squares along it. It begins at what the rows before give by a
-    straight line, so that shifts may grow beyond a period.
+    At the nearest point the difference of the states is orthogonal to the motion: Newton's method for the least distance, with
+    positions and velocities relative to their root mean squares. The initial guess is extrapolated linearly from the rows
+    before, so that shifts may grow beyond a period.
 
     Parameters
     ----------
@@ -36,27 +40,27 @@ def time_shift(
     t, x, v : array
         Rows of a run, in any order of time.
     step : float
-        Of the run.
+        Step of the run.
     between : (float, float)
-        Where the motion is known; beyond, it goes on straight.
+        Times between which the motion is known; times beyond are clipped.
     """
-    if t.size <= 2 * _SOUGHT or not (np.diff(np.sign(step) * t) > 0.0).all():
-        return _sought(motion, t, x, v, step, between)
+    if t.size <= 2 * _COMPUTED or not (np.diff(np.sign(step) * t) > 0.0).all():
+        return _shifts(motion, t, x, v, step, between)
     from scipy.interpolate import CubicSpline
 
-    apart, sign = t.size // _SOUGHT, np.sign(step)
+    apart, sign = t.size // _COMPUTED, np.sign(step)
     rows = np.unique(np.append(np.arange(0, t.size, apart), t.size - 1))
-    probes = np.arange(apart // 2, t.size, apart * (_SOUGHT // _PROBES))
-    seen, found = (_sought(motion, t[own], x[own], v[own], step, between) for own in (rows, probes))
+    probes = np.arange(apart // 2, t.size, apart * (_COMPUTED // _PROBES))
+    seen, found = (_shifts(motion, t[own], x[own], v[own], step, between) for own in (rows, probes))
     if np.isfinite(seen).all():
         shift: Floats = CubicSpline(sign * t[rows], seen)(sign * t)
         if np.abs(shift[probes] - found).max() <= _MISSED * np.abs(found).max():
             return shift
-    return _sought(motion, t, x, v, step, between)
+    return _shifts(motion, t, x, v, step, between)
 
 
-def _sought(motion: Motion, t: Floats, x: Floats, v: Floats, step: float, between: tuple[float, float]) -> Floats:
-    """Seek every row."""
+def _shifts(motion: Motion, t: Floats, x: Floats, v: Floats, step: float, between: tuple[float, float]) -> Floats:
+    """Compute the shift of every row."""
     if not t.size:
         return np.zeros(0)
     scales = [
@@ -87,7 +91,7 @@ def _sought(motion: Motion, t: Floats, x: Floats, v: Floats, step: float, betwee
 
 
 def _guess(t: Floats, shift: Floats, wanted: Floats) -> Floats:
-    """Continue shifts by the line through the last and one half way back."""
+    """Extrapolate shifts by the line through the last one and the one half way back."""
     if t.size < _FIRST or t[-1] == t[t.size // 2]:
         return np.zeros(wanted.size)
     slope = (shift[-1] - shift[t.size // 2]) / (t[-1] - t[t.size // 2])
@@ -111,20 +115,20 @@ def _nearest(
         before, after = np.clip(at - _DIFFERENCE * step, low, high), np.clip(at + _DIFFERENCE * step, low, high)
         here, first, last = np.split(motion(np.concatenate((at, before, after))), 3)
         shift[left] = at - now + _newton(states[left] - here, first - here, last - here, before - at, after - at)
-        left = left[~(np.abs(shift[left] - had) <= _ENOUGH * step)]
+        left = left[~(np.abs(shift[left] - had) <= _TOLERANCE * step)]
         if not left.size:
             break
     return shift
 
 
 def _newton(error: Floats, first: Floats, last: Floats, before: Floats, after: Floats) -> Floats:
-    """Return the step to the least |error - motion|, of a motion that is zero now, `first` before and `last` after now."""
+    """Return the step to the least |error - motion|, for a motion that is 0 now, `first` at `before` and `last` at `after`."""
     along = (last - first) / (after - before)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        even = np.abs(after + before) < 1e-6 * (after - before)  # not where the motion is known on one side alone
+        even = np.abs(after + before) < 1e-6 * (after - before)  # false where the motion is known on one side only
         bend = np.where(even[:, None], (first + last) / (after * after)[:, None], 0.0)
     squares, bent = np.einsum("ij,ij->i", along, along), np.einsum("ij,ij->i", error, bend)
-    # As far away on the inner side of a bend as its radius, the distance has no minimum: there by Gauss and Newton.
+    # At the centre of curvature the distance has no minimum: near it, use the Gauss-Newton method.
     steepness = np.where(bent < 0.95 * squares, squares - bent, squares)
     step: Floats = np.einsum("ij,ij->i", along, error) / np.where(steepness > 0.0, steepness, 1.0)
     return step

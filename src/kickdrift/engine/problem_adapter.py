@@ -30,7 +30,7 @@ _TAKEN = ("energy", "time", "t", "x", "v")
 
 @dataclass(frozen=True)
 class Adapter:
-    """A start, and the hands that adapt functions to it: a `kickdrift.systems.problem.Adapter`."""
+    """An initial state, and methods that adapt functions to it: a `kickdrift.systems.problem.Adapter`."""
 
     t0: float
     x0: Floats
@@ -42,7 +42,7 @@ class Adapter:
 
     @property
     def args(self) -> Floats:
-        """What the functions adapted so far get as params: the user's, and the numbers of the functions themselves."""
+        """The params of the functions adapted so far: the user's, and the numbers of the functions themselves."""
         return np.concatenate([self.users_args, *self.numbers])
 
     def adapt(
@@ -77,7 +77,7 @@ class Adapter:
         return kick_of(function, given, layout, state, self.check_bounds, of_force)
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
-        """Return the shape of what a function returns, see `kickdrift.systems.problem.Adapter`."""
+        """Return the shape of a function's result, see `kickdrift.systems.problem.Adapter`."""
         state: dict[str, Any] = {
             name: float(array) if array.shape == () else array.copy()
             for name, array in (("x", self.x0), ("v", self.v0), ("params", self.users_args))
@@ -115,11 +115,11 @@ class Adapter:
         return {name: self._quantity(name, function) for name, function in given.items() if function is not None}
 
     def _quantity(self, name: str, function: Function) -> Quantity:
-        """Adapt a conserved quantity: the numbers of the system are laid out already."""
+        """Adapt a conserved quantity."""
         return self.number(f"the function for {name!r}", function)
 
     def number(self, role: str, function: Function) -> Quantity:
-        """Adapt a function of the state that returns a number, and has numbers of its own."""
+        """Adapt a function of the state that returns a number, with numbers of its own in the params."""
         return replace(self, numbers=[])._number(function, role)
 
     def _number(self, function: Function, role: str) -> Quantity:
@@ -136,7 +136,7 @@ class Adapter:
         return bind(template, **bindings)
 
     def _compare(self, original: Any, role: str, native: Function, names: list[str], layout: Layout) -> None:
-        """Compare a function, compiled, with what it is in Python."""
+        """Compare a compiled function with the same one interpreted."""
 
         def call(function: Function) -> Floats:
             v = np.zeros(1) if "i" in names else aside(self.v0.reshape(-1))
@@ -150,7 +150,7 @@ class Adapter:
     def _try_once(
         self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None
     ) -> None:
-        """Call a function at the start, so that what is wrong with it is an error before any work is done."""
+        """Call a function at the start, so that its faults are errors before any work is done."""
         x, v = self.x0.reshape(-1), self.v0.reshape(-1)
         size = x.size if shape is None else math.prod(shape)
         out, other = np.zeros(size), np.ones(size)

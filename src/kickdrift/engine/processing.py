@@ -1,4 +1,4 @@
-"""Processed methods: the states of the loop where they are not those that people see: of a split, turned, corrected."""
+"""Processed methods: transformations between the user's states and those of the loop (splits, turned words, correctors)."""
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -21,17 +21,17 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Processing:
-    """A method compiled for a system: the kernel, which the loop does, and what is done before and after it.
+    """A method compiled for a system: the kernel, which the loop repeats, a preprocessor and a postprocessor.
 
-    The loop has the coordinates of the split, if the method uses one. There, the preprocessor has done a few letters
-    before the first step: the corrector of the method, if it has one; and of a word that begins and ends with a flow that
-    turns the first, so that the last of a step and the first of the next are one. The postprocessor undoes them on the rows,
-    each by itself: the numbers do not depend on which steps are saved.
+    The loop works in the coordinates of the split, if the method uses one. Before the first step the preprocessor applies the
+    corrector of the method, if it has one, and the first letter of a word that begins and ends with the same flow, so that the
+    last letter of a step and the first of the next are one. The postprocessor undoes this on each row by itself, so that the
+    results do not depend on which steps are saved.
 
     Attributes
     ----------
     system : System
-        The system with the start that people see.
+        The system with the user's initial state.
     frame : Frame or None
         The coordinates of the split.
     kernel : Stepper
@@ -47,25 +47,28 @@ class Processing:
 
     @property
     def is_processed(self) -> bool:
-        """Whether the states of the loop are not those that people see."""
+        """Whether the states of the loop differ from the user's."""
         return self.frame is not None or self.preprocessor is not None
 
     def enter(self) -> None:
-        """Give the kernel its start."""
+        """Transform the initial state of the kernel."""
         if self.preprocessor is not None:
             state, once = self.kernel.state, np.ones(1, dtype=np.int64)
             t0, step = np.array([self.kernel.t0]), np.array([self.kernel.step])
             self.preprocessor.change(t0, step, once, state.x[None], state.v[None])
 
     def leave(self, times: Floats, xs: Floats, vs: Floats, t0: float) -> tuple[Floats, Floats]:
-        """Return rows of a run as people see them, shape (T, *shape)."""
+        """Return the rows of a run as the user's states, (T, *shape)."""
         xs, vs = self.seen(times, xs, vs)
         if times.size and times[0] == t0:
-            xs[0], vs[0] = self.system.x0, self.system.v0  # which there and back is but for rounding
+            xs[0], vs[0] = (
+                self.system.x0,
+                self.system.v0,
+            )  # exactly: transformed there and back it would differ by rounding
         return xs, vs
 
     def seen(self, times: Floats, xs: Floats, vs: Floats) -> tuple[Floats, Floats]:
-        """Return rows of the loop, after whole steps, as people see them; they are overwritten."""
+        """Transform rows of the loop, after whole steps, to the user's states; they are overwritten."""
         if self.postprocessor is not None:
             sizes, once = np.full(times.size, self.kernel.step), np.ones(times.size, dtype=np.int64)
             self.postprocessor.change(times, sizes, once, xs, vs)
@@ -82,16 +85,16 @@ class Processing:
         vs: Floats,
         numbers: Floats = NO_NUMBERS,
     ) -> tuple[Floats, Floats, NDArray[np.int64]]:
-        """Do so many steps of a size from each row as people see it, of shape (T, *shape), at its time.
+        """Advance each row, the user's states (T, *shape), by `counts` steps of `sizes` from its time.
 
-        Rows may have `numbers` of their own as params, (T, p), where there is no frame.
+        Rows may have their own params, `numbers` (T, p), if there is no frame.
 
         Returns
         -------
         xs, vs : (T, *shape) array
-            Where they lead.
+            The states reached.
         evaluations : (T,) array of int
-            Of the force.
+            Force evaluations.
         """
         if self.frame is not None:
             xs, vs = self.frame.enter(xs, vs)
@@ -110,7 +113,7 @@ class Processing:
         return (*((xs, vs) if self.frame is None else self.frame.leave(xs, vs)), evaluations)
 
     def evaluations(self, rows: int) -> int:
-        """Force evaluations on the way in, and of so many rows on the way out."""
+        """Force evaluations of preprocessing, and of postprocessing a number of rows."""
         before, after = self.preprocessor, self.postprocessor
         return (before.program.evaluations if before else 0) + rows * (after.program.evaluations if after else 0)
 
@@ -123,9 +126,9 @@ def compile_method(
     turns: bool = True,
     controller: Controller | None = None,
 ) -> Processing:
-    """Compile, or take from disk, all that a method needs on a system.
+    """Compile a method for a system, or load it from disk.
 
-    Where every step is looked at, its word is left as it `turns` nothing: a letter more a step costs less than one undone.
+    `turns` is False if every step is needed: an additional letter in each step costs less than undoing one.
     """
     control = None if controller is None else controller.spelled
     programs = _programs(method, Structure.of(system), turns and controller is None, control)
@@ -142,7 +145,7 @@ def compile_method(
 
 
 def kernel_alone(system: System, method: Method) -> Program | None:
-    """Return the step of a method on a system, None where more than steps leads to what people see."""
+    """Return the step of a method on a system; None if states are transformed."""
     programs = _programs(method, Structure.of(system), True, None)
     framed = programs.kernel.split and system.frame is not None
     return None if framed or programs.preprocessor is not None else programs.kernel
@@ -170,7 +173,7 @@ def _programs(method: Method, system: Structure, turns: bool, control: Control |
 
 
 def _turned(word: Word) -> tuple[Word, Word]:
-    """Return the step as it is done, and what is done once before it."""
+    """Return the word that is repeated, and the part that is done once before it."""
     (first, share), (last, rest) = word[0], word[-1]
     if len(word) > 1 and first is last and first.turned:
         return (*word[1:-1], (first, share + rest)), word[:1]

@@ -1,4 +1,4 @@
-"""From a word to what the loop runs: the same flows, with the clock worked out and no force evaluated twice."""
+"""Programs: words as the loop runs them, with the times of all letters, and no force evaluated twice."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,21 +25,21 @@ class Program:
     letters : (L,) array of int
         The step: indices into `flows`.
     weights : (L,) array
-        Share of the step of each letter.
+        Fraction of the step of each letter.
     offsets : (L,) array
-        Clock of each letter, in steps from the start of the step.
+        Time of each letter, in steps from the start of the step.
     evaluations : int
-        Force evaluations of a step, those inside implicit flows not counted.
+        Force evaluations of a step, without those inside implicit flows.
     primers : tuple of str
-        Names of the flows that run once before the first step, moving nothing.
+        Names of the flows that run once before the first step, without moving the state.
     split : bool
-        Whether the kicks have only the remainder of the acceleration.
+        Whether the kicks contain only the remainder of the acceleration.
     coefficients : (C,) array
-        What the flows need to know of the method.
+        Coefficients of the method that the flows need.
     ticks, ticks_of_v : (L,) array
-        By how much each letter moves the clock, and the one that moves with v, in steps.
+        Advance of the clock by each letter, and of the clock that moves with v, in steps.
     sees_v_clock : (L,) array of int
-        Whether the time of a letter is that of the latter.
+        Whether a letter uses the latter.
     """
 
     flows: tuple[str, ...]
@@ -61,15 +61,15 @@ class Program:
 
 
 Spelled = list[tuple[str, Fraction, Fraction]]
-"""Flow, share and clock of each letter."""
+"""Flow, fraction of the step and time of each letter."""
 
 Control = Callable[[Callable[[Word], Spelled], Word], Spelled]
-"""What makes a word into one whose step varies: from what spells words, and the word."""
+"""Adds the letters of step control: given a function that spells words, and the word."""
 
 
 @dataclass(frozen=True)
 class Structure:
-    """What the step of a method depends on of a system: its kind, whether x' is not v, and the names of its parts."""
+    """Properties of a system on which a program depends: its kind, whether x' differs from v, and the names of its parts."""
 
     kind: Kind
     has_velocity: bool
@@ -77,7 +77,7 @@ class Structure:
 
     @classmethod
     def of(cls, system: System) -> "Structure":
-        """Return that of a system."""
+        """Return the structure of a system."""
         return cls(system.kind, system.velocity is not None, frozenset(system.parts))
 
 
@@ -89,21 +89,21 @@ def compose(
     repeated: bool = True,
     control: Control | None = None,
 ) -> Program:
-    """Work out the step of a method on a system, or what another word of its letters does.
+    """Compose the program of a method on a system, or of another word of its letters.
 
-    Such a word may begin at another time of the step, and may be done once instead of over and over. A `control` adds letters
-    to it that make its steps vary.
+    Such a word may begin at another time, `clock`, of the step, and may be done once instead of `repeated`. A `control` adds
+    the letters of variable steps.
 
-    A letter becomes the flow that it is for the kind of problem: an adjoint kick is a kick where the acceleration does
-    not depend on the velocity, and the drift of a first-order system is the sweep over its components.
+    The flow of a letter depends on the kind of problem: an adjoint kick is a kick if the acceleration does not depend on the
+    velocity, and the drift of a first-order system is the sweep over its components.
 
-    The clock moves with the drift: a kick sees the time of the positions that it sees. The rate of x sees the time of
-    the velocities in the same way: the clock that moves with the kicks. (For a Hamiltonian T(p, t) + V(q, t) these are
-    two more pairs of conjugate variables, and the split parts stay exactly solvable.)
+    The clock moves with the drift: a kick is evaluated at the time of its positions. In the same way the rate of x is evaluated
+    at the time of the velocities, by a clock that moves with the kicks. (For a Hamiltonian T(p, t) + V(q, t) these are two more
+    pairs of conjugate variables, and the split parts stay exactly solvable.)
 
-    A kick that sees the same position and time as the kick before it, be that at the end of the step before, does not
-    evaluate the acceleration again. That saves the evaluation but not the kick itself, so that the numbers do not
-    depend on which steps are saved.
+    A kick at the same position and time as the kick before it, possibly at the end of the step before, does not evaluate the
+    acceleration again. That saves the evaluation but not the kick itself, so that the results do not depend on which steps are
+    saved.
     """
     word = method.word if word is None else word
     if control is None:
@@ -134,7 +134,7 @@ def compose(
 
 
 def evaluations_of(method: Method) -> int:
-    """Force evaluations of a step of an explicit method, on the plainest problem of its kind."""
+    """Force evaluations of a step of an explicit method, on the simplest problem of its kind."""
     if method.tableau is not None:
         return method.tableau().stages
     kind = Kind.NEWTONIAN if method.kind.includes(Kind.NEWTONIAN) else method.kind
@@ -143,7 +143,7 @@ def evaluations_of(method: Method) -> int:
 
 
 def _spell(method: Method, system: Structure, word: Word, x_clock: Fraction) -> Spelled:
-    """Flow, share and clock of each letter; neighbours that do the same are merged."""
+    """Return flow, fraction and time of each letter; equal neighbours are merged."""
     v_clock = Fraction(0)
     spelled: Spelled = []
     for letter, weight in word:
@@ -176,7 +176,7 @@ def _flow_of(letter: Letter, system: Structure, method: Method) -> str | None:
 
 
 def _split(method: Method, system: Structure) -> bool:
-    """Whether the kicks have only what is left of the acceleration, another flow of the word having the rest."""
+    """Whether the kicks contain only the remainder of the acceleration, because another flow of the word contains the rest."""
     shares = {letter.share for letter in method.letters}
     return "remainder" in system.parts and "kick" in shares and not shares <= {"kick", "drift"}
 
@@ -188,7 +188,7 @@ def _kicks_see_velocity(method: Method, system: Structure) -> bool:
 
 
 def _reuse_accelerations(names: list[str], repeated: bool) -> tuple[list[str], bool]:
-    """Replace kicks by those that do not evaluate where the acceleration is known; also whether the first of a step is one."""
+    """Replace kicks whose acceleration is known by ones that do not evaluate it; also return whether the first is one."""
 
     def walk(known: bool) -> tuple[list[str], bool]:
         replaced = []

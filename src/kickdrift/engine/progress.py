@@ -1,4 +1,4 @@
-"""How far a run is, on standard error while it goes."""
+"""Progress of a run, shown on standard error."""
 
 import sys
 import warnings
@@ -11,9 +11,9 @@ _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
 
 
 class Bar:
-    """A progress bar: always, never, or (None) on a terminal and in a notebook once a run turns out to be long.
+    """A progress bar: always, never, or (None) on a terminal and in a notebook if a run is expected to be long.
 
-    Within `told_of_steps` there is none, and another is told instead.
+    Within `told_of_steps` there is none, and the function given there is called instead.
     """
 
     def __init__(self, n_steps: int, wanted: bool | None, unit: str = "step") -> None:
@@ -23,7 +23,7 @@ class Bar:
         self._bar: Any = None
 
     def show(self, step: int, seconds: float) -> None:
-        """Show that `step` steps took so many seconds."""
+        """Show the number of steps done, and the seconds that they took."""
         if self._tell is not None:
             self._tell(step)
         if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:
@@ -32,26 +32,26 @@ class Bar:
             self._bar.update(step - self._bar.n)
 
     def close(self) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
 
 
 def _in_notebook() -> bool:
-    """Whether a kernel of Jupyter runs this."""
+    """Whether this runs in a Jupyter kernel."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return getattr(shell, "kernel", None) is not None
 
 
 def _tqdm() -> Any:
-    """Return tqdm, as a widget in a notebook that has widgets."""
+    """Return tqdm, which is a widget in notebooks that have widgets."""
     if _in_notebook():
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of widgets that are not installed: then it is a line of text
+            warnings.simplefilter("ignore")  # tqdm warns if widgets are not installed, and prints a line of text
             from tqdm.auto import tqdm as automatic
 
             return automatic
-    from tqdm import tqdm  # 10 ms
+    from tqdm import tqdm  # takes 10 ms
 
     return tqdm
 
@@ -61,7 +61,7 @@ _told: ContextVar[Callable[[int], None] | None] = ContextVar("_told", default=No
 
 @contextmanager
 def told_of_steps(tell: Callable[[int], None]) -> Iterator[None]:
-    """Have a function called with the steps that a run has done so far; a KeyboardInterrupt from it interrupts the run."""
+    """Call a function with the number of steps done so far; a KeyboardInterrupt from it interrupts the run."""
     before = _told.set(tell)
     try:
         yield

@@ -45,14 +45,14 @@ def _call_inside(quantity: Any, arguments: Any) -> None:
 
 @lru_cache(maxsize=256)
 def _evaluate_inside(quantity: Any) -> Function:
-    """Return `_evaluate` with a user's function compiled into it, which does not ask for its address."""
+    """Return `_evaluate` with a user's function inlined, which needs no address."""
     name = f"{_evaluate.__name__}_{quantity.__qualname__}"
     inside = compiled(cached=False, inline=True)(specialise(_call_inside, f"call_of_{name}", function=quantity))
     return compiled(users=True)(specialise(_evaluate.py_func, name, call=inside))  # type: ignore[attr-defined]
 
 
 def _call_or_nan(quantity: Function, arguments: tuple[Any, ...]) -> None:
-    """Call a quantity; where it raises it has no value, and the run before is not lost for that."""
+    """Call a quantity; if it raises, its value is NaN, so that the run is not lost."""
     try:
         call_interpreted(quantity, arguments)
     except Exception:

@@ -1,4 +1,4 @@
-"""From a run to its solution: what was kept, what it conserves, and how it went."""
+"""From a run to its solution: rows, conserved quantities, outcome and costs."""
 
 import math
 from collections.abc import Callable
@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 
 
 class _Kept(NamedTuple):
-    """Rows as people see them: times, states, and the size of the steps from each on."""
+    """Rows as the user's states: times, states, and the size of the steps from each on."""
 
     t: Floats
     x: Floats
@@ -39,7 +39,7 @@ class _Kept(NamedTuple):
     steps: Floats
 
     def followed_by(self, t: float, x: Floats, v: Floats, step: float) -> "_Kept":
-        """Add a row, at the end of a run: `step` is that of none, but has the sign and the size of the others."""
+        """Add a row at the end of a run; no step begins there, but `step` has the size and sign of the others."""
         return _Kept(
             np.append(self.t, t),
             np.concatenate((self.x, x[None])),
@@ -51,9 +51,9 @@ class _Kept(NamedTuple):
 def report(
     journey: Journey, ending: Ending, continuation: Callable[[Task, Standing, bool], Callable[[float], Solution]]
 ) -> Solution:
-    """Return what a run has kept, as people see it, and what continues from there, which `continuation` makes."""
+    """Return the solution of a run, with the continuation that `continuation` makes."""
     task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
-    once = cache(between)  # for the rows; the solution, which threads may ask, has a state for each
+    once = cache(between)  # for the rows; the solution has one for each call, since threads may use it
     system, grid, rows = task.system, task.grid, journey.run.rows
     early, message, standing = (
         not ending.outcome.success,
@@ -72,7 +72,7 @@ def report(
         kept = kept.followed_by(end, ending.stop.x, ending.stop.v, grid.step)
     dense = None if journey.store else _dense(system, grid, once, end, kept)
     if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
-        try:  # the last step leads beyond the end: a part of it to there
+        try:  # the last step leads beyond the end, so take a part of it
             x, v, own = dense.states_at(np.array([end]))
             kept, evaluations = kept.followed_by(end, x[0], v[0], grid.step), evaluations + own
             dense = _dense(system, grid, once, end, kept)
@@ -87,10 +87,10 @@ def report(
         try:
             t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
             evaluations += own
-        except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails between steps alone
+        except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails only between steps
             message += f" Times between steps are missing where {type(error).__name__} was raised: {error}."
     for array in (t, xs, vs):
-        array.flags.writeable = False  # invariants are evaluated later, from the same numbers
+        array.flags.writeable = False  # invariants are evaluated later from these arrays
     return Solution(
         t=t,
         x=xs,
@@ -117,18 +117,18 @@ def report(
 
 
 def _kept(rows: Rows, ending: Ending, early: bool, processing: Processing) -> _Kept:
-    """Return the rows, of those on disk the first and the last."""
+    """Return the rows; of rows on disk the first and the last."""
     if isinstance(rows, StreamedRows):
         return _Kept(*rows.ends(ending.n_steps))
     t = rows.times(ending.saved, ending.n_steps, early)
     xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
-    if processing.postprocessor is not None:  # which overwrites what the run continues with
+    if processing.postprocessor is not None:  # it overwrites rows with which the run may continue
         xs, vs = xs.copy(), vs.copy()
     return _Kept(t, *processing.leave(t, xs, vs, rows.grid.t0), rows.steps(t))
 
 
 def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]:
-    """Return the zeros of each event, and what is to be said where the force fails between the steps in which they are."""
+    """Return the zeros of each event, and a sentence if the force failed within a step that contains one."""
     try:
         return watch.by_event(end), ""
     except (Exception, KeyboardInterrupt) as error:
@@ -140,7 +140,7 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
 def _dense(
     system: System, grid: Grid | Course, between: Callable[[], Processing], end: float, kept: _Kept
 ) -> DenseOutput | None:
-    """Return what gives states between the rows, and between the start and the first; None where noise drives the system."""
+    """Return the dense output, from the start on; None for stochastic systems."""
     if system.kind is Kind.LANGEVIN:
         return None
     return DenseOutput.of_rows(grid, States(system.x0, system.v0), kept, end, between)
@@ -149,12 +149,12 @@ def _dense(
 def _at_wanted(
     grid: Grid | Course, ending: Ending, dense: DenseOutput, t: Floats, xs: Floats, vs: Floats
 ) -> tuple[Floats, Floats, Floats, int]:
-    """Return the rows at the times that were wanted, as far as the run went, and the last one where it ended early."""
+    """Return the rows at the wanted times that the run reached, and its last state if it ended early."""
     assert grid.wanted is not None
     low, high = sorted((dense.t[0], dense.end))
     completed = ending.outcome is Outcome.COMPLETED
     wanted = grid.wanted if completed else grid.wanted[(grid.wanted >= low) & (grid.wanted <= high)]
-    x, v, evaluations = dense.states_at(np.clip(wanted, low, high))  # which may be outside by a rounding
+    x, v, evaluations = dense.states_at(np.clip(wanted, low, high))  # times may be outside by a rounding
     if completed:
         return wanted, x, v, evaluations
     return np.append(wanted, t[-1]), np.concatenate((x, xs[-1:])), np.concatenate((v, vs[-1:])), evaluations

@@ -1,4 +1,4 @@
-"""What a user's function returns, written into the array that the engine gives.
+"""Writing the result of a user's function into an array of the engine.
 
 An assignment to a slice would do the same, but pulls Numba's general one into each function, with the text of its
 error: 2 of the 2.6 s that compiling a force of one line took.
@@ -17,7 +17,7 @@ def write_result(out: Any, result: Any) -> None:
 
 
 def _returned(value: Any) -> Any:
-    """Refuse None, which NumPy takes for a NaN: the function forgot to return, or lacks the argument `out`."""
+    """Refuse None, which NumPy converts to NaN: the function has no return statement, or lacks the argument `out`."""
     if value is None:
         raise TypeError("it returned None")
     return np.asarray(value)

@@ -1,4 +1,4 @@
-"""The rows that a run keeps: of equal steps on a grid, or of steps whose sizes vary."""
+"""The rows that a run keeps: of equal steps on a grid, or of variable steps."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from kickdrift.engine.loop import ACCEPTED, ROWS, TRIALS, WANTED
 from kickdrift.engine.stepper import State, Stepper
 
 Floats = NDArray[np.float64]
-_BAR = 1000  # parts of a progress bar where the number of steps is not known
+_BAR = 1000  # parts of a progress bar if the number of steps is not known
 
 
 class Mark(NamedTuple):
-    """How far the rows are: those filled, the times wanted that are passed, and the steps tried."""
+    """Progress of the rows: rows filled, wanted times passed, and steps tried."""
 
     rows: int = 0
     wanted: int = 0
@@ -25,7 +25,7 @@ class Mark(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """Some steps that are looked at: times from their start on, and the states after each."""
+    """Consecutive steps in which events are sought: times from their start on, and the states after each."""
 
     t: Floats
     xs: Floats
@@ -34,7 +34,7 @@ class Stretch(NamedTuple):
 
 @dataclass
 class GridRows:
-    """The rows of equal steps: those of the grid, and one more if the run ends early between two of them."""
+    """The rows of equal steps: those of the grid, and one more if the run ends between two of them."""
 
     stepper: Stepper
     grid: Grid
@@ -48,19 +48,19 @@ class GridRows:
         )  # of the arrays: the number of their first row, and the steps
 
     def begin(self) -> Mark:
-        """Keep the start, if it is a row."""
+        """Keep the initial state, if it is a row."""
         if self.grid.save_steps[0] != 0:
             return Mark()
         self.xs[0], self.vs[0] = self.stepper.state.x, self.stepper.state.v
         return Mark(1)
 
     def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
-        """Return the rows up to a step that a longer run would have, too."""
+        """Return the rows up to a step that a longer run would also have."""
         steps = self.grid.rows_after(step)
         return {"steps": steps, "xs": self.xs[: steps.size], "vs": self.vs[: steps.size]}
 
     def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
-        """Begin after a step with the rows that were kept up to there."""
+        """Resume after a step with the rows kept until then."""
         rows = kept["steps"].size
         self.xs[:rows], self.vs[:rows] = kept["xs"], kept["vs"]
         if (
@@ -79,7 +79,7 @@ class GridRows:
         return step == self.grid.n_steps
 
     def progress(self, step: int) -> tuple[int, int]:
-        """Return how much is done, of how much."""
+        """Return the progress, and its value at the end."""
         return step, self.grid.n_steps
 
     def time(self, step: int) -> float:
@@ -87,17 +87,17 @@ class GridRows:
         return self.grid.t0 + step * self.grid.step
 
     def steps_of(self, step: int) -> str:
-        """Return how many steps are done, for display."""
+        """Return the number of steps done, for display."""
         return f"{step} of {self.grid.n_steps} steps"
 
     def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
-        """Do steps, and keep rows; return where it ended."""
+        """Do steps and keep rows; return the step reached."""
         saved = mark.rows - self.first
         reached, saved = self.stepper.advance(step, target, self.save_steps, saved, self.xs, self.vs)
         return reached, Mark(self.first + saved, 0, reached)
 
     def advance_watched(self, step: int, target: int, mark: Mark) -> tuple[int, Mark, Stretch]:
-        """Do the same, and return all states."""
+        """Do steps and keep rows as `advance` does; return all states, too."""
         grid, state, every = self.grid, self.stepper.state, np.arange(step + 1, target + 1)
         xs, vs = np.empty((every.size, state.x.size)), np.empty((every.size, state.v.size))
         reached, count = self.stepper.advance(step, target, every, 0, xs, vs)
@@ -108,7 +108,7 @@ class GridRows:
         return reached, Mark(self.first + until, 0, reached), Stretch(t, xs[:count], vs[:count])
 
     def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
-        """Add the state reached as a last row, if the run ended between two rows; return how many there are."""
+        """Add the state reached as a last row, if the run ended between two rows; return the number of rows."""
         saved = mark.rows - self.first
         on_a_row = saved > 0 and self.save_steps[saved - 1] == step
         if self.ended(step) or stopped or on_a_row:
@@ -117,13 +117,13 @@ class GridRows:
         return mark.rows + 1
 
     def seen(self, rows: int) -> int:
-        """Return how many rows people see, of so many that are kept."""
+        """Return the number of rows of the solution, given the number kept."""
         return rows
 
     def times(self, rows: int, step: int, early: bool) -> Floats:
         """Return the times of the rows of a run that ended after a step."""
         t = np.append(self.grid.times, self.grid.times[-1])[:rows]
-        if early and rows:  # the last row is where it ended, on the grid of rows or not
+        if early and rows:  # the last row is the end, whether or not on the grid of rows
             t[-1] = self.time(step)
         return t
 
@@ -138,19 +138,19 @@ class GridRows:
 
 @dataclass
 class CourseRows:
-    """The rows of steps whose sizes vary: those before so many steps, or before the times wanted."""
+    """The rows of variable steps: the states before one step in `stride`, or before the wanted times."""
 
     stepper: Stepper
     grid: Course
 
     def __post_init__(self) -> None:
         state = self.stepper.state
-        self.first = 0  # the number of the first row of the arrays
+        self.first = 0  # number of the first row of the arrays
         self.ts, self.sizes = np.empty(0), np.empty(0)
         self.xs, self.vs = np.empty((0, state.x.size)), np.empty((0, state.v.size))
 
     def begin(self) -> Mark:
-        """Keep nothing yet: a row is the state before a step."""
+        """Keep nothing yet, since a row is the state before a step."""
         return Mark()
 
     def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
@@ -159,7 +159,7 @@ class CourseRows:
         return {"ts": self.ts[rows], "sizes": self.sizes[rows], "xs": self.xs[rows], "vs": self.vs[rows]}
 
     def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
-        """Begin after a step with the rows that were kept up to there."""
+        """Resume after a step with the rows kept until then."""
         self.ts, self.sizes, self.xs, self.vs = (kept[name].copy() for name in ("ts", "sizes", "xs", "vs"))
         return mark
 
@@ -168,24 +168,24 @@ class CourseRows:
         return step
 
     def ended(self, step: int) -> bool:
-        """Whether the run is at its end, or beyond it by a part of a step."""
+        """Whether the run is at its end, or beyond it by a fraction of a step."""
         return bool(at_end(self.stepper.state.work))
 
     def progress(self, step: int) -> tuple[int, int]:
-        """Return how much is done, of how much."""
+        """Return the progress, and its value at the end."""
         done = (self.time(step) - self.grid.t0) / (self.grid.t1 - self.grid.t0)
         return max(1, min(round(_BAR * done), _BAR)), _BAR
 
     def time(self, step: int) -> float:
-        """Return the time that is reached."""
+        """Return the time reached."""
         return float(self.stepper.state.work[CLOCK])
 
     def steps_of(self, step: int) -> str:
-        """Return how many steps are done, for display."""
+        """Return the number of steps done, for display."""
         return f"{step} steps"
 
     def advance(self, step: int, target: int, mark: Mark) -> tuple[int, Mark]:
-        """Do steps, and keep rows; return where it ended."""
+        """Do steps and keep rows; return the step reached."""
         most = target - step if self.grid.stride else min(target - step, self.grid.marks.size - mark.wanted + 1)
         self._make_room(mark.rows - self.first + most + 1)
         marks = np.array([step, mark.trials, mark.rows - self.first, mark.wanted])
@@ -194,7 +194,7 @@ class CourseRows:
         return reached, Mark(self.first + int(marks[ROWS]), int(marks[WANTED]), int(marks[TRIALS]))
 
     def advance_watched(self, step: int, target: int, mark: Mark) -> tuple[int, Mark, Stretch]:
-        """Do the same, and return all states."""
+        """Do steps and keep rows as `advance` does; return all states, too."""
         state, most = self.stepper.state, target - step + 1
         t, sizes = np.empty(most), np.empty(most)
         xs, vs = np.empty((most, state.x.size)), np.empty((most, state.v.size))
@@ -216,7 +216,7 @@ class CourseRows:
         return reached, Mark(self.first + end, int(marks[WANTED]), int(marks[TRIALS])), Stretch(t, xs[1:], vs[1:])
 
     def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
-        """Add the state reached as a last row, unless it is beyond the end; return how many there are."""
+        """Add the state reached as a last row, unless it is beyond the end; return the number of rows."""
         if at_end(state.work) and is_beyond(self.grid, state.work[CLOCK]):
             return mark.rows
         row = mark.rows - self.first
@@ -226,7 +226,7 @@ class CourseRows:
         return mark.rows + 1
 
     def seen(self, rows: int) -> int:
-        """Return how many rows people see, of so many that are kept."""
+        """Return the number of rows of the solution, given the number kept."""
         return rows
 
     def times(self, rows: int, step: int, early: bool) -> Floats:

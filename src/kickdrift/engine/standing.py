@@ -1,4 +1,4 @@
-"""The state of a run, from which it can continue."""
+"""The progress of a run, from which it can continue."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,22 +13,22 @@ from kickdrift.engine.zeros import Seen
 
 @dataclass(frozen=True, eq=False)
 class Standing:
-    """Where a run stands.
+    """The progress of a run.
 
     Attributes
     ----------
     state : State
-        Of the loop.
+        State of the loop.
     step : int
-        After which it is that.
+        The step after which it is reached.
     mark : Mark
-        How far the rows are.
+        Progress of the rows.
     rows : mapping of str to array
         The rows, see `kickdrift.engine.rows`.
     wall_time : float
         Seconds in the loop.
     seen : Seen or None
-        What was found of events.
+        Zeros of events found so far.
     """
 
     state: State

@@ -1,4 +1,4 @@
-"""What the sizes of steps follow in a run: nothing, a control of them, or impacts and switches that cut them."""
+"""The choice of step sizes: equal steps, a step control, or steps cut by impacts and switches."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from kickdrift.systems.system import System
 
 @dataclass(frozen=True)
 class Steering:
-    """What the sizes of steps follow, of the arguments of `kickdrift.solve`.
+    """The arguments of `kickdrift.solve` that determine step sizes.
 
     Attributes
     ----------
@@ -42,12 +42,12 @@ class Steering:
 
     @property
     def varies(self) -> bool:
-        """Whether steps are not all of one size."""
+        """Whether the sizes of steps vary."""
         return self.control is not None or self.cuts
 
     @property
     def defaults(self) -> dict[str, Any]:
-        """What `kickdrift.engine.method_selection.choose` takes where no method is named."""
+        """Defaults for `kickdrift.engine.method_selection.choose` if no method is named."""
         return {} if self.control is None else {"default": self.control.method, "order_beside": self.control.order}
 
     def lay(
@@ -59,7 +59,7 @@ class Steering:
         state_size: int,
         streamed: bool = False,
     ) -> Grid | Course:
-        """Lay the steps over the span.
+        """Lay out the steps of the span.
 
         Raises
         ------
@@ -71,7 +71,7 @@ class Steering:
         return lay_course(t_span, step, t_eval, save_every, self.cuts, streamed)
 
     def describe(self, problem: Any, start: Start, adapter: Adapter) -> System:
-        """Describe the problem, whose functions get the sides of switches behind their params.
+        """Describe the problem as a system, with the sides of switches appended to its params.
 
         Raises
         ------
@@ -84,7 +84,7 @@ class Steering:
     def ready(
         self, problem: Any, system: System, method: Method, grid: Grid | Course, adapter: Adapter, step: float | None
     ) -> tuple[System, Controller | None]:
-        """Make ready what chooses or cuts the steps; the system gets its functions as parts.
+        """Prepare the control of steps, or impacts and switches; their functions become parts of the system.
 
         Raises
         ------
@@ -102,7 +102,7 @@ class Steering:
 def steering_of(
     step_control: Any, step: float | None, rtol: float | None, atol: ArrayLike | None, impacts: Any, switches: Any
 ) -> Steering:
-    """Find what the sizes of steps follow in what a user gives.
+    """Return the choice of step sizes that the arguments ask for.
 
     Raises
     ------

@@ -1,6 +1,7 @@
-"""A program made ready: its flows compiled, and bound to the state that they work on."""
+"""A program ready to run: its flows compiled, and bound to the state that they work on."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 _LARGE = 100  # numbers of a state whose pairs fill what the C library thinks large
-_NEVER = np.zeros(0, dtype=np.int64)  # the steps after which rows are kept: none
+_NEVER = np.zeros(0, dtype=np.int64)  # steps after which rows are kept: none
 NO_NUMBERS = _NO_ROWS = np.zeros((0, 0))
 
 
@@ -31,9 +32,9 @@ def rows_of(numbers: Floats, rows: Any) -> Floats:
 
 @dataclass
 class State:
-    """Position, velocity, and what the flows keep beside them; of a copy, the scratch is empty if nothing is kept there.
+    """Position, velocity, and the memory of the flows; the scratch of a copy is empty if nothing is kept there.
 
-    Of work, the parts that are `kept` matter to the next step, and are copied.
+    The parts of work that are `kept` are used by the next step, and copied.
     """
 
     x: Floats
@@ -43,9 +44,9 @@ class State:
     kept: tuple[slice, ...] = (slice(None),)
 
     def copy(self, last: "State | None" = None, into: "State | None" = None) -> "State":
-        """Copy all, into another state if there is one; the scratch only if it changed since the `last` copy."""
+        """Copy the state, into another one if given; the scratch only if it changed since the `last` copy."""
         if into is not None:
-            into.scratch = np.zeros(0)  # which may be a matrix: one less at a time
+            into.scratch = np.zeros(0)  # frees its memory first: it may be a large matrix
         if last is not None and last.work[FORMED] == self.work[FORMED]:
             scratch = last.scratch
         else:
@@ -57,7 +58,7 @@ class State:
         return into
 
     def restore(self, other: "State") -> None:
-        """Go back to a copy, in place."""
+        """Restore a copy, in place."""
         if other is self:
             return
         if self.work[FORMED] != other.work[FORMED]:
@@ -71,7 +72,7 @@ class State:
 
     @property
     def finite(self) -> bool:
-        """Whether every number is."""
+        """Whether all positions and velocities are finite."""
         return bool(np.isfinite(self.x).all() and np.isfinite(self.v).all())
 
 
@@ -89,13 +90,13 @@ _INTERPRETED = Loops(loop.advance_interpreted, loop.advance_adaptively_interpret
 
 @dataclass(frozen=True, eq=False)
 class Stepper:
-    """Does steps of a program on a state of its own.
+    """Does steps of a program on its own state.
 
     Attributes
     ----------
     program : Program
     t0, step : float
-        Time of step 0, and the length of a step with its sign.
+        Time of step 0, and the signed size of a step.
     state : State
     estimates : bool
         Whether steps estimate their errors.
@@ -109,7 +110,7 @@ class Stepper:
     _flows: Any  # addresses of the letters, those of the primers last; the letters themselves for the interpreter
     _members: Any  # address of the block that describes the state, or its arrays for the interpreter
     _loops: Loops
-    _alive: tuple[Any, ...]  # what the addresses point to
+    _alive: tuple[Any, ...]  # the objects at these addresses, kept alive
 
     def advance(
         self, first: int, last: int, save_steps: NDArray[np.int64], saved: int, xs: Floats, vs: Floats
@@ -130,7 +131,7 @@ class Stepper:
         xs: Floats,
         vs: Floats,
     ) -> int:
-        """Do steps whose sizes vary; see `kickdrift.engine.loop.advance_adaptively`."""
+        """Do variable steps; see `kickdrift.engine.loop.advance_adaptively`."""
         program, state = self.program, (self._members, self.state.x, self.state.v, self.state.work)
         word = (program.letters, program.weights, program.ticks, program.ticks_of_v, program.sees_v_clock)
         with np.errstate(all="ignore"):
@@ -141,7 +142,7 @@ class Stepper:
             )
 
     def prime(self) -> None:
-        """Make ready what the first step finds as the step before would have left it."""
+        """Run the primers, which prepare the memory of the flows for the first step."""
         nothing = np.zeros(self._primers.size)
         self._advanced((self._primers, nothing, nothing), 0.0, 0, 1, _NEVER, 0, _NO_ROWS, _NO_ROWS)
 
@@ -157,7 +158,7 @@ class Stepper:
         vs: Floats,
     ) -> tuple[int, int]:
         state = (self._members, self.state.x, self.state.v, self.state.work)
-        with np.errstate(all="ignore"):  # what is not finite is an outcome, interpreted as compiled
+        with np.errstate(all="ignore"):  # states that are not finite are an outcome, as in compiled code
             return self._loops.advance(  # type: ignore[no-any-return]
                 self._flows, *word, self.t0, h, first, last, *state, save_steps, saved, xs, vs
             )
@@ -171,9 +172,9 @@ class Stepper:
         vs: Floats,
         numbers: Floats = NO_NUMBERS,
     ) -> tuple[NDArray[np.int64], Floats]:
-        """Do so many steps of a size from each of the rows, at its time, and overwrite it; nothing is carried over.
+        """Advance each row in place by `counts` steps of `sizes` from its time, without memory of the flows.
 
-        Rows may have `numbers` of their own as params, (T, p).
+        Rows may have their own params, `numbers` (T, p).
 
         Returns
         -------
@@ -199,13 +200,13 @@ class Stepper:
 
     @property
     def params(self) -> Floats:
-        """The numbers that functions get as params, which the flows read."""
+        """The params of the functions, which the flows read."""
         arrays = self._alive[-1] if self._alive else self._members
         return arrays[2]  # type: ignore[no-any-return]
 
     @property
     def compiled(self) -> tuple[Any, NDArray[np.int64], tuple[Any, ...]]:
-        """Addresses of the letters, which of them prime, and the state: the address of its block, x, v, params and work."""
+        """Addresses of the letters, indices of the primers, and the state: the address of its block, x, v, params and work."""
         *_, members = self._alive
         return self._flows, self._primers, (self._members, *members)
 
@@ -214,8 +215,9 @@ class Stepper:
         return np.arange(len(self.program.flows), len(self._flows))
 
 
+@lru_cache(maxsize=256)
 def _kept(names: tuple[str, ...], n: int, compensated: bool) -> tuple[slice, ...]:
-    """Return the parts of work in which steps of these flows leave what the next finds there, see `layout`."""
+    """Return the parts of work that steps of these flows pass to the next step, see `layout`."""
     if not all(FLOWS[name].plain for name in names):
         return (slice(None),)
     accelerations = (slice(0, n),) if any(flow.again in names for flow in FLOWS.values()) else ()
@@ -226,7 +228,7 @@ def _kept(names: tuple[str, ...], n: int, compensated: bool) -> tuple[slice, ...
 def compile_program(
     system: System, program: Program, grid: Grid | Course, compensated: bool, controller: Controller | None = None
 ) -> Stepper:
-    """Compile, or take from disk, all that steps of a program on a system need; the state is the start of the system."""
+    """Compile a program for a system, or load it from disk; the state is the initial state of the system."""
     names = program.flows + program.primers
     functions = letters.functions_of(system, program)
     addresses = letters.addresses_of(system, functions, names) if system.native else {}

@@ -32,7 +32,7 @@ _DIFFERENCE = 1e-7
 
 
 class Stiffness(Enum):
-    """What is much faster than a step."""
+    """The kind of motion that is much faster than a step."""
 
     NONE = "nothing"
     DECAY = "decays"
@@ -47,7 +47,7 @@ def stiffness(system: System, t0: float, step: float, span: float) -> Stiffness:
     try:
         with np.errstate(all="ignore"):
             return _judge(_rates(system), t0, np.concatenate([system.x0.ravel(), system.v0.ravel()]), step, span)
-    except Exception:  # of a user's function, which may be asked for what is outside of its domain
+    except Exception:  # a user's function may be called outside its domain
         return Stiffness.NONE
 
 
@@ -103,9 +103,9 @@ def _jacobian(rates: Rates, t: float, y: Floats, rate: Floats) -> Floats:
 
 
 def _by_power_iteration(rates: Rates, t: float, y: Floats, h: float) -> Stiffness:
-    """Judge by what the Jacobian makes of a vector that it has been applied to over and over."""
+    """Judge by the power iteration with the Jacobian."""
     rate, size = rates(t, y), _DIFFERENCE * max(float(np.linalg.norm(y)), 1.0)
-    direction = np.cos(1.0 + np.arange(y.size) ** 2)  # no symmetry of a chain or a grid
+    direction = np.cos(1.0 + np.arange(y.size) ** 2)  # without the symmetries of a chain or a grid
     along = growth = 0.0
     for _ in range(_ITERATIONS):
         direction = direction / np.linalg.norm(direction)

@@ -1,4 +1,4 @@
-"""Rows of steps whose sizes vary, on their way to disk."""
+"""Rows of variable steps that are streamed to disk."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -23,9 +23,9 @@ _ARRAYS = ("ts", "sizes", "xs", "vs")
 
 
 class StreamedCourseRows(StreamedRows, CourseRows):
-    """The rows of steps whose sizes vary, as many at a time as are a chunk of the store, and those since.
+    """The rows of variable steps, one chunk of the store at a time, and those after it.
 
-    The last rows stay until the run is at its end: from the last one a part of a step leads there.
+    The last rows stay in memory until the end of the run, which is reached from the last one by a part of a step.
 
     Parameters
     ----------
@@ -46,11 +46,11 @@ class StreamedCourseRows(StreamedRows, CourseRows):
         self._end: tuple[Floats, Floats, Floats] | None = None
 
     def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
-        """Return the rows that are not in the store yet, and how many are there."""
+        """Return the rows that are not in the store yet, and the number of those that are."""
         return {"stored": np.array([self.first]), **super().kept(step, mark)}
 
     def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
-        """Begin after a step with the rows that were kept up to there."""
+        """Resume after a step with the rows kept until then."""
         self.first = int(kept["stored"][0])
         self._store.go_on(self.first)
         return super().go_on(kept, step, mark)
@@ -74,7 +74,7 @@ class StreamedCourseRows(StreamedRows, CourseRows):
                 setattr(self, name, getattr(self, name)[chunk:].copy())
 
     def close(self, step: int, mark: Mark, state: State, stop: Zero | None, status: str) -> None:
-        """Write what is left, the last state among it, and how the run ended.
+        """Write the remaining rows with the last state, and the outcome.
 
         Raises
         ------
@@ -94,11 +94,11 @@ class StreamedCourseRows(StreamedRows, CourseRows):
             self._write(np.array([stop.t]), stop.x[None], stop.v[None], {})
 
     def keep_last(self, state: State, step: int, mark: Mark, stopped: bool) -> int:
-        """Return how many rows are in the store, which has the last one."""
+        """Return the number of rows in the store, which contains the last one."""
         return self.first
 
     def ends(self, step: int) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return time, x, v and the size of the steps of the first and of the last row, which may be one."""
+        """Return time, x, v and step size of the first and of the last row, which may be the same."""
         system = self._processing.system
         t, xs, vs = np.array([self.grid.t0]), system.x0[None].copy(), system.v0[None].copy()
         if step and self._end is not None:
@@ -106,12 +106,12 @@ class StreamedCourseRows(StreamedRows, CourseRows):
         return t, xs, vs, np.full(t.size, self.grid.step)
 
     def _seen(self, rows: int) -> tuple[Floats, Floats, Floats]:
-        """Return the first rows that are not in the store, as people see them."""
+        """Return the first rows that are not in the store, as the user's states."""
         t, xs, vs = (getattr(self, name)[:rows].copy() for name in ("ts", "xs", "vs"))
         return t, *self._processing.leave(t, xs, vs, self.grid.t0)
 
     def _to_the_end(self, t: Floats, xs: Floats, vs: Floats, sizes: Floats) -> tuple[Floats, Floats, Floats]:
-        """Add a row at the end of the span, which the last step has passed."""
+        """Add a row at the end of the span, passed by the last step."""
         end = self.grid.t1
         if self._processing.system.kind is Kind.LANGEVIN:
             return t, xs, vs

@@ -1,4 +1,4 @@
-"""Rows that go to disk as a run goes on: memory holds some of them at a time."""
+"""Rows that are streamed to disk during a run, so that memory holds one chunk at a time."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -28,11 +28,11 @@ class StreamedRows(ABC):
     Attributes
     ----------
     first : int
-        How many rows are in the store.
+        Number of rows in the store.
     evaluations : int
-        Of the force, that the last row took.
+        Force evaluations of the last row.
     said : str
-        What is to be said of it.
+        A sentence about the last row for the message.
     """
 
     first: int
@@ -42,7 +42,7 @@ class StreamedRows(ABC):
     _about: Description
 
     def create(self) -> None:
-        """Make the store, empty."""
+        """Create the empty store."""
         system, about, units = self._processing.system, self._about, self._about.units
         arrays = {
             "time": Array((), (), units.get("t", "")),
@@ -59,7 +59,7 @@ class StreamedRows(ABC):
         self._store.create({**words, "source": about.source}, arrays, about.coordinates)
         self.begin_chunk()
 
-    def begin_chunk(self) -> None:  # noqa: B027 - where rows come as they like there is nothing to do
+    def begin_chunk(self) -> None:  # noqa: B027 - variable steps need nothing here
         """Make room for a chunk of the store."""
 
     @abstractmethod
@@ -68,22 +68,22 @@ class StreamedRows(ABC):
 
     @abstractmethod
     def drain(self, mark: Mark) -> None:
-        """Write what is a whole chunk."""
+        """Write whole chunks."""
 
     @abstractmethod
     def close(self, step: int, mark: Mark, state: State, stop: Zero | None, status: str) -> None:
-        """Write what is left, the last state among it, and how the run ended."""
+        """Write the remaining rows with the last state, and the outcome."""
 
     @abstractmethod
     def ends(self, step: int) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return time, x, v and the size of the steps of the first and of the last row, which may be one."""
+        """Return time, x, v and step size of the first and of the last row, which may be the same."""
 
     def seen(self, rows: int) -> int:
-        """Return how many rows people see."""
+        """Return the number of rows of the solution."""
         return self.first
 
     def _append(self, t: Floats, xs: Floats, vs: Floats, attributes: Mapping[str, Any]) -> None:
-        """Write rows as people see them."""
+        """Write rows as the user's states."""
         system = self._processing.system
         rows = {"time": t, "x": xs, "v": vs}
         if system.v0.size == 0:
@@ -94,7 +94,7 @@ class StreamedRows(ABC):
 
 
 class StreamedGridRows(StreamedRows, GridRows):
-    """The rows of equal steps, as many at a time as are a chunk of the store."""
+    """The rows of equal steps, one chunk of the store at a time."""
 
     def __init__(self, processing: Processing, grid: Grid, store: ZarrStore, about: Description) -> None:
         self.stepper, self.grid, self._processing, self._store = processing.kernel, grid, processing, store
@@ -102,7 +102,7 @@ class StreamedGridRows(StreamedRows, GridRows):
         self.first, self.save_steps = 0, np.zeros(0, dtype=np.int64)
 
     def begin_chunk(self) -> None:
-        """Make room for a chunk, and one row more if the run ends early between two."""
+        """Allocate a chunk, and one row more in case the run ends between two."""
         state, rows = self.stepper.state, self._store.chunk + 1
         self.xs, self.vs = np.empty((rows, state.x.size)), np.empty((rows, state.v.size))
         self._begin_at(self.first)
@@ -113,17 +113,17 @@ class StreamedGridRows(StreamedRows, GridRows):
         self.first, self.save_steps = first, np.unique(np.minimum(steps, self.grid.n_steps))
 
     def begin(self) -> Mark:
-        """Keep the start."""
+        """Keep the initial state."""
         self.xs[0], self.vs[0] = self.stepper.state.x, self.stepper.state.v
         return Mark(1)
 
     def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
-        """Return the rows that are not in the store yet, and that a longer run would have, too, and how many are there."""
+        """Return the rows not in the store yet that a longer run would also have, and the number of those in the store."""
         rows = step // self._every + 1 - self.first
         return {"stored": np.array([self.first]), "xs": self.xs[:rows], "vs": self.vs[:rows]}
 
     def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:
-        """Begin after a step with the rows that were kept up to there."""
+        """Resume after a step with the rows kept until then."""
         self.first, rows = int(kept["stored"][0]), len(kept["xs"])
         self._store.go_on(self.first)
         self.begin_chunk()
@@ -150,7 +150,7 @@ class StreamedGridRows(StreamedRows, GridRows):
             self._begin_at(mark.rows)
 
     def close(self, step: int, mark: Mark, state: State, stop: Zero | None, status: str) -> None:
-        """Write what is left, the last state among it, and how the run ended.
+        """Write the remaining rows with the last state, and the outcome.
 
         Raises
         ------
@@ -173,7 +173,7 @@ class StreamedGridRows(StreamedRows, GridRows):
         return self.first
 
     def ends(self, step: int) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return time, x, v and the size of the steps of the first and of the last row, which may be one."""
+        """Return time, x, v and step size of the first and of the last row, which may be the same."""
         count, last = (2 if step else 1), self.grid.t1 if self.ended(step) else self.time(step)
         t = np.array([self.grid.t0, last])[:count]
         xs, vs = np.stack((self._start.x, self._last.x)), np.stack((self._start.v, self._last.v))
@@ -187,7 +187,7 @@ class StreamedGridRows(StreamedRows, GridRows):
 
 
 def store_of(path: Any, grid: Grid | Course, identity: Mapping[str, str], again: bool) -> ZarrStore | None:
-    """Return where rows go, None for memory; whether a run may go on there, or begin `again`.
+    """Return the store for the rows, None for memory; with `again`, a run may resume in an existing one.
 
     Raises
     ------

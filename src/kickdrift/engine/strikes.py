@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 
 
 class Strikes(NamedTuple):
-    """Steps that end with impacts, and which are the others; when they end, and the states before and after the impacts."""
+    """Steps that end with impacts: their indices, times, and the states before and after the impacts."""
 
     steps: NDArray[np.intp]
     others: NDArray[np.bool_]
@@ -25,7 +25,7 @@ class Strikes(NamedTuple):
 def strikes_at(
     steps: NDArray[np.intp], processing: Processing, t: Floats, xs: Floats, vs: Floats
 ) -> tuple[Strikes, int]:
-    """Do again the steps that end with impacts, up to there; return the evaluations that it took, too."""
+    """Repeat the steps that end with impacts, up to these; return the force evaluations, too."""
     after, sizes, once = steps + 1, np.diff(t)[steps], np.ones(steps.size, dtype=np.int64)
     x, v, evaluations = processing.go_on(t[steps], sizes, once, xs[steps], vs[steps])
     others = np.ones(t.size - 1, dtype=bool)

@@ -1,4 +1,4 @@
-"""Events of a run with impacts: velocities jump there, and what is a gap comes to zero and goes back.
+"""Events of a run with impacts, where velocities jump, and gaps reach zero and grow again.
 
 A function is asked just before an impact, too. What it does up to there is a step like any other; from there to the state after
 the impact it jumps. Where something touches, a function that is zero but for the rounding of the state is zero: a gap that is
@@ -35,7 +35,7 @@ class Surfaces(NamedTuple):
     located: bool
 
     def touched(self, system: System, t: Floats, x: Floats, v: Floats) -> NDArray[np.bool_]:
-        """Return the places at which a gap is closed."""
+        """Return the states in which a gap is closed."""
         gaps = evaluate_quantity(self.gaps, system, t, x, v).reshape(t.size, -1)[:, : self.of_impacts]
         return np.asarray((np.abs(gaps) <= TOUCHES * self._sizes(x)[:, None]).any(axis=1))
 
@@ -45,7 +45,7 @@ class Surfaces(NamedTuple):
         return np.asarray(touched[1:] & (~touched[:-1] | cut | (not self.located)))
 
     def rounded(self, ask: Ask, values: Floats, t: Floats, x: Floats, v: Floats) -> Floats:
-        """Return values of a function with those zero that the rounding of x or v would make zero."""
+        """Return values of a function, with 0.0 for those that are zero within the rounding of x or v."""
         if not t.size:
             return values
         of_x, rounding = TOUCHES * self._sizes(x), np.zeros(t.size)

@@ -1,4 +1,4 @@
-"""Tables of a user's that a run would leave: said before it starts, or goes on."""
+"""Checks that a run does not leave the range of a user's tables, before it starts or continues."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -25,14 +25,14 @@ class Tables:
     Attributes
     ----------
     system : System
-        With the start.
+        The system with its initial state.
     functions : tuple of Quantity
     spans : str
-        From where to where the tables go.
+        First and last time of the tables.
     method : str
-        Its name.
+        Name of the table.
     before, beyond : float
-        How far before the start and beyond the end they are asked, in steps.
+        How far before the start and beyond the end the functions are evaluated, in steps.
     """
 
     system: System
@@ -43,7 +43,7 @@ class Tables:
     beyond: float
 
     def check(self, grid: Grid | Course) -> None:
-        """Ask the functions at all ends of time to which a run goes.
+        """Evaluate the functions at both ends of the times at which a run does.
 
         Raises
         ------
@@ -68,14 +68,14 @@ class Tables:
         except ValueError as error:
             return OUTSIDE in str(error)
         except Exception:
-            return False  # of something else, which the run shows if it comes to it
+            return False  # another error, which the run reports if it occurs
         return False
 
 
 def tables_of(
     given: tuple[Any, ...], system: System, method: Method, controller: Controller | None, events: tuple[Event, ...]
 ) -> Tables | None:
-    """Find the tables that the functions `given` call, and what asks these functions; None without tables."""
+    """Return the tables that the functions `given` call, with these functions; None if there are no tables."""
     if not (ranges := ranges_used(*given)):
         return None
     functions = [Quantity(function) for function in (system.acceleration, system.velocity) if function is not None]
@@ -90,7 +90,7 @@ def tables_of(
 
 
 def _clock(method: Method) -> tuple[float, float]:
-    """Return how far before a step and beyond it its clock goes, in terms of the step."""
+    """Return how far before and beyond a step its clock goes, in steps."""
     now = low = high = Fraction(0)
     for letter, weight in method.word:
         if letter.plain is Letter.DRIFT:

@@ -1,4 +1,4 @@
-"""What is to be run, made ready and run: from its start, or on from where it stands."""
+"""Tasks, which describe runs, and journeys, which carry them out: from the start, or from a checkpoint."""
 
 import sys
 import time
@@ -32,21 +32,21 @@ from kickdrift.systems.system import System
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """All that determines a run.
+    """Everything that determines a run.
 
     Attributes
     ----------
     system : System
-        With the start.
+        The system with its initial state.
     chosen : Choice
         The method.
     grid : Grid or Course
     compensated : bool
     controller : Controller or None
-        What chooses the steps of a course.
+        The control of variable steps.
     events : tuple of Event
     progress : bool or None
-        Whether a bar shows, which determines nothing.
+        Whether a bar is shown; has no effect on the results.
     units : mapping of str to str
         Of the numbers, where users gave quantities; which determines nothing either.
     tables : Tables or None
@@ -65,13 +65,13 @@ class Task:
 
     @property
     def description(self) -> Description:
-        """What is run, for display."""
+        """Description of the run, for display."""
         about = description_of(self.system, self.chosen, self.compensated, self.controller)
-        return replace(about, units={**about.units, **self.units})
+        return replace(about, units={**about.units, **self.units}) if self.units else about
 
 
 def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
-    """Describe what is run, for display."""
+    """Describe a run, for display."""
     method = chosen.method
     units = dict(system.units) | {name: quantity.unit for name, quantity in system.quantities.items() if quantity.unit}
     scales = {name: quantity.scale for name, quantity in system.quantities.items() if quantity.scale is not None}
@@ -94,17 +94,17 @@ def description_of(system: System, chosen: Choice, compensated: bool, controller
 
 
 class Journey:
-    """A task on its way: compiled, with room for its rows.
+    """A task that is carried out: compiled, with memory for its rows.
 
     Parameters
     ----------
     task : Task
     before : Standing, optional
-        Where it begins.
+        The progress from which it continues.
     checkpoints : Checkpoints, optional
         Where it is kept as it goes on; if it was kept there already, it begins there.
     store : ZarrStore, optional
-        Where its rows go, if not into memory.
+        The store for its rows, if they do not stay in memory.
 
     Attributes
     ----------
@@ -112,11 +112,11 @@ class Journey:
         The grid of which has the step that the run began with.
     processing : Processing
     between : callable
-        Returns the method, compiled for steps of any size, with a state of its own.
+        Returns the method, compiled for steps of any size, with its own state.
     watch : Watch or None
     run : Run
     said : str
-        What is to be said of where it began.
+        A sentence about its start for the message.
     """
 
     def __init__(
@@ -177,7 +177,7 @@ class Journey:
         return GridRows(kernel, grid)
 
     def go(self) -> Ending:
-        """Run to the end of the grid, or as far as it goes."""
+        """Run to the end of the grid, or as far as possible."""
         started, run, failure = time.perf_counter(), self.run, None
         with closing(Bar(run.rows.progress(0)[1], self.task.progress)) as bar:
             while failure is None and not run.ended:
@@ -197,7 +197,7 @@ class Journey:
         return run.ending(*(failure or (Outcome.COMPLETED, "")))
 
     def _kept(self, failure: Failure | None, due: int) -> Failure | None:
-        """Store the state of the run, while Ctrl-C waits, and return what ends it, if anything does."""
+        """Store the state of the run, while Ctrl-C is deferred, and return a failure, if there is one."""
         run, checkpoints = self.run, self._checkpoints
         with InterruptionNoted(passed_on=False) as interruption:
             if isinstance(run.rows, StreamedRows):
@@ -209,7 +209,7 @@ class Journey:
         return failure
 
     def _written(self, failure: Failure | None, write: Callable[[], None]) -> Failure | None:
-        """Write something, and return what ends the run, if anything does."""
+        """Write something, and return a failure, if there is one."""
         try:
             write()
         except FileFormatError as error:

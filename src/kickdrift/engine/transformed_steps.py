@@ -1,4 +1,4 @@
-"""Steps that end at a given time, of words that count their steps in a time of their own: the size is searched."""
+"""Steps of transformed time that end at a given time: their size is found by root finding."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,12 @@ def change_in_time(
     vs: Floats,
     numbers: Floats = NO_NUMBERS,
 ) -> NDArray[np.int64]:
-    """Do so many steps from each of the rows, at its time, each of which takes the time `sizes`, and overwrite it.
+    """Advance each row in place by a number of steps from its time, each of which takes the time `sizes`.
 
     Returns
     -------
     evaluations : (T,) array of int
-        Of the force.
+        Force evaluations.
     """
     evaluations, here = np.zeros(times.size, dtype=np.int64), times.copy()
     for done in range(int(counts.max(initial=0))):
@@ -45,7 +45,7 @@ def _change_once(
     start_x, start_v, evaluations = xs.copy(), vs.copy(), np.zeros(times.size, dtype=np.int64)
 
     def beyond(rows: NDArray[np.intp], shares: Floats) -> Floats:
-        """Do steps of so much of the size, in their own time, and return how far beyond the time wanted they lead."""
+        """Do steps of a multiple of the size, in transformed time, and return by how much they pass the time wanted."""
         x, v, once = start_x[rows], start_v[rows], np.ones(rows.size, dtype=np.int64)
         own, clocks = stepper.change(times[rows], shares * sizes[rows], once, x, v, rows_of(numbers, rows))
         evaluations[rows] += own

@@ -1,4 +1,4 @@
-"""Runs in units: quantities become numbers at the door of `solve`, and its solution gives quantities back."""
+"""Runs with units: `solve` converts quantities to numbers, and its solution converts them back."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -20,9 +20,9 @@ class Entered:
     Attributes
     ----------
     t_span, x0, v0, step, t_eval
-        As `solve` takes them.
+        As for `solve`.
     inside, outside : Units
-        The units of the numbers, and those in which users want them back.
+        The units of the numbers, and those in which users get them back.
     """
 
     t_span: Any
@@ -34,14 +34,14 @@ class Entered:
     outside: Units
 
     def leave(self, solution: Solution) -> Solution:
-        """Give a solution its units, if there are any."""
+        """Attach units to a solution, if there are any."""
         if self.outside == Units():
             return solution
         return UnitSolution.of(solution, self.inside, self.outside)
 
 
 def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -> Entered:
-    """Take the units off the arguments of `solve`.
+    """Convert the arguments of `solve` to plain numbers.
 
     Functions get numbers in the units of t_span and x0, with velocities in what follows. Systems that were made of quantities
     keep the units that they have.
@@ -49,7 +49,7 @@ def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -
     Raises
     ------
     ArgumentError
-        Where one measures something else than it should, or has no unit where others have.
+        If a quantity has the wrong dimension, or none while others have one.
     """
     own = getattr(problem, "quantity_units", None) if isinstance(problem, System) else None
     if own is None and not units.any_has_unit((t_span, x0, v0, step, t_eval)):
@@ -105,7 +105,7 @@ class UnitSolution(Solution):
 
     @classmethod
     def of(cls, solution: Solution, inside: Units, outside: Units) -> "UnitSolution":
-        """Make one of a solution in numbers."""
+        """Create the solution with units from one of plain numbers."""
         own = object.__new__(cls)
         about = replace(solution.about, units={**solution.about.units, **inside.names})
         vars(own).update({f.name: getattr(solution, f.name) for f in fields(Solution)}, about=about)
@@ -114,7 +114,7 @@ class UnitSolution(Solution):
 
     @property
     def plain(self) -> Solution:
-        """The same in numbers, in the units that ``plain.about.units`` names."""
+        """The solution as plain numbers, in the units given by ``plain.about.units``."""
         return Solution(**{f.name: vars(self)[f.name] for f in fields(Solution)})
 
     def _quantity(self, name: str, values: Any) -> Any:
@@ -130,7 +130,7 @@ class UnitSolution(Solution):
         return States(self._quantity("x", x), self._quantity("v", v))
 
     def continue_to(self, t: Any) -> "Solution":
-        """Run on to another end, a quantity; see `Solution`."""
+        """Continue to another end, a quantity; see `Solution`."""
         return UnitSolution.of(
             self.plain.continue_to(units.numbers("t", t, self._inside.t)), self._inside, self._outside
         )
@@ -149,7 +149,7 @@ def _in_units(name: str, of: str) -> Any:
     return property(value, doc=getattr(Solution, name, None).__doc__)
 
 
-# Over the fields of the same names, which stay in the instance as numbers.
+# These replace the fields of the same names, which stay in the instance as numbers.
 for _name, _of in {
     "t": "t",
     "x": "x",

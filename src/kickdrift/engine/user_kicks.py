@@ -51,9 +51,9 @@ def kick_of(
     checked: bool,
     of_force: bool,
 ) -> Callable[[bool], Function] | None:
-    """Return what makes a flow, with compensated sums or without, of a function that writes each number of `out` once.
+    """Return a maker of a kick, with or without compensated sums, from a function that writes each number of `out` once.
 
-    None for other functions. The `state` is t, x, v and params, to try it with. The function gives an acceleration, or a
+    None for other functions. The `state` is t, x, v and params, to test it with. The function gives an acceleration, or a
     force, and then the last params are inverse masses.
     """
     taken = taken_apart(function)

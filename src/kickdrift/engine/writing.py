@@ -1,4 +1,4 @@
-"""Where a function writes its results: whether that depends on the numbers that it gets, read from Numba's form of its code."""
+"""Analysis, by Numba's intermediate representation, of where a function writes: whether that depends on its input."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from numba.core import ir
 from numba.core.compiler import run_frontend
 
 _SHAPES = ("shape", "size", "ndim")
-_COUNTING = (range, len, min, max, abs, int, bool)  # the same every time, if what they are given is
+_COUNTING = (range, len, min, max, abs, int, bool)  # functions whose results depend on their arguments alone
 _PLAIN = (ir.Assign, ir.SetItem, ir.StaticSetItem, ir.Del, ir.Jump, ir.Branch, ir.Return)
 _OPERATIONS = (
     "binop",
@@ -31,25 +31,25 @@ _OPERATIONS = (
 
 @dataclass(frozen=True)
 class Writing:
-    """What is known of a function that writes into `out` the same elements whatever the numbers that it gets.
+    """Properties of a function that writes the same elements of `out` for all input numbers.
 
     Attributes
     ----------
     reads_same : bool
-        Whether it reads the same elements, too, so that its indices are within bounds always or never.
+        Whether it also reads the same elements, so that its indices are either always within bounds or never.
     """
 
     reads_same: bool
 
 
 def writing_of(function: Any, numbers: frozenset[str]) -> Writing | None:
-    """Return how a Python function writes into its argument `out`; None if that may depend on its arguments `numbers`.
+    """Analyse how a Python function writes into its argument `out`; None if that may depend on its arguments `numbers`.
 
-    It does not where neither a branch nor an index is computed from them, and `out` itself is not read, nor passed on.
+    It does not if neither branches nor indices are computed from them, and `out` itself is neither read nor passed on.
     """
     try:
         blocks = run_frontend(function).blocks.values()
-    except Exception:  # of what Numba does not compile it says so elsewhere
+    except Exception:  # functions that Numba cannot compile are reported elsewhere
         return None
     statements = [statement for block in blocks for statement in block.body]
     if not all(isinstance(statement, _PLAIN) for statement in statements):
@@ -73,7 +73,7 @@ def _is_known(value: Any) -> bool:
 
 
 def _is_compiled(value: Any) -> bool:
-    """Whether a value is a compiled function, which may read whatever it is given."""
+    """Whether a value is a compiled function, which may read all its arguments."""
     return isinstance(value, ir.Global | ir.FreeVar) and hasattr(value.value, "py_func")
 
 
@@ -102,7 +102,7 @@ def _dependent(assigned: list[tuple[str, Any]], numbers: frozenset[str]) -> froz
 
 
 def _closure(found: set[str], assigned: list[tuple[str, Any]], passes_on: Any) -> set[str]:
-    """Add all variables to which something found is passed on."""
+    """Add all variables that depend on those found."""
     before = -1
     while len(found) > before:
         before = len(found)
@@ -119,7 +119,7 @@ def _used(value: Any) -> Iterator[str]:
 
 
 def _misuses(statement: Any, out: frozenset[str], depends: frozenset[str]) -> bool:
-    """Whether a statement does what would have to be the same for all numbers, or uses `out` for more than writing."""
+    """Whether the control flow or an index of a statement depends on the numbers, or it uses `out` other than for writing."""
     if isinstance(statement, ir.Branch):
         return statement.cond.name in depends
     if isinstance(statement, ir.SetItem | ir.StaticSetItem):

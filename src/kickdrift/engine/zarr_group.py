@@ -12,8 +12,8 @@ import numpy as np
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
 from kickdrift.core.locking import FileLock, LockedError
 
-_RUN = "kickdrift_run"  # the attribute that tells runs apart
-KEPT = "solution.npz"  # what is kept of a solution beside its rows, once a run has ended
+_RUN = "kickdrift_run"  # attribute with the identity of the run
+KEPT = "solution.npz"  # the solution without its rows, once the run has ended
 
 
 class Array(NamedTuple):
@@ -30,7 +30,7 @@ class ZarrGroup:
     Parameters
     ----------
     path : path
-        Of a folder.
+        The folder.
     run : str
         The identity of the run; an existing group is continued only if it is the same.
 
@@ -59,9 +59,9 @@ class ZarrGroup:
             self._lock.release()
 
     def check(self, again: bool) -> bool:
-        """Refuse a folder that holds something, unless that is this run and it may go on, or begin `again`.
+        """Refuse a folder that is not empty, unless it contains this run, and `again` allows to continue or to repeat it.
 
-        Other runs are refused it from then on until it is closed.
+        From then on it is locked against other runs until it is closed.
 
         Returns
         -------
@@ -93,7 +93,7 @@ class ZarrGroup:
                 )
             return False
         known: Any = None
-        with suppress(Exception):  # of whatever it may be
+        with suppress(Exception):  # the folder may contain anything
             known = dict(self._zarr.open_group(self.path, mode="r", use_consolidated=False).attrs).get(_RUN)
         if known is None:
             raise ArgumentError(f"save_to={str(self.path)!r} exists already; name another folder, or remove it.")
@@ -107,7 +107,7 @@ class ZarrGroup:
         return True
 
     def _begin(self, attributes: Mapping[str, Any], labels: Mapping[str, Any]) -> None:
-        """Make the group, in the place of what this run has left there, with labels along dimensions of their names."""
+        """Create the group, replacing an earlier one of this run, with labels along dimensions of their names."""
         marked = {**attributes, _RUN: self._run}
         self._group = self._zarr.open_group(self.path, mode="w", zarr_format=3, attributes=marked)
         for name, values in labels.items():
@@ -120,7 +120,7 @@ class ZarrGroup:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Name the user's argument in errors of the file system; silence Zarr's warnings of what it has yet to specify."""
+        """Name the user's argument in errors of the file system; silence Zarr's warnings about unspecified features."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # consolidated metadata, and texts

@@ -1,4 +1,4 @@
-"""Rows in a Zarr group on disk, written while the run goes on: arrays along time that xarray reads at any moment.
+"""Rows in a Zarr group on disk, written during the run: arrays along time that xarray can read at any moment.
 
 Whole chunks are written, each once. What readers see is the consolidated metadata, which is replaced after the chunks that it
 tells of: all arrays have the same length at any time.
@@ -14,7 +14,7 @@ from kickdrift.core.errors import FileFormatError
 from kickdrift.engine.description import unit_attributes
 from kickdrift.engine.zarr_group import Array, ZarrGroup
 
-_CHUNK = 1 << 20  # bytes of the largest array
+_CHUNK = 1 << 20  # bytes of a chunk of the largest array
 
 
 class ZarrStore(ZarrGroup):
@@ -23,15 +23,15 @@ class ZarrStore(ZarrGroup):
     Attributes
     ----------
     rows : int
-        How many are there.
+        Number of rows.
     chunk : int
-        How many are written at a time.
+        Number of rows written at a time.
     """
 
     rows, chunk = 0, 1
 
     def create(self, attributes: Mapping[str, Any], arrays: Mapping[str, Array], labels: Mapping[str, Any]) -> None:
-        """Make the group, in the place of what this run has left there.
+        """Create the group, replacing an earlier one of this run.
 
         Raises
         ------
@@ -55,7 +55,7 @@ class ZarrStore(ZarrGroup):
             self._commit()
 
     def go_on(self, rows: int) -> None:
-        """Go on after so many rows; what was written beyond them is cut off.
+        """Resume after a number of rows; those beyond are removed.
 
         Raises
         ------

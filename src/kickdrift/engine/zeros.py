@@ -1,4 +1,4 @@
-"""Zeros of functions of the state between two states: parts of steps in which they are, and the search for them."""
+"""Zeros of event functions: brackets within steps, and root finding in them."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -10,11 +10,11 @@ from kickdrift.core.compilation import compiled
 
 Floats = NDArray[np.float64]
 
-_ROUNDS = 100  # of a search, each of which takes half of the interval at least every third time
+_ROUNDS = 100  # iterations of root finding, of which at least one in three halves the interval
 
 
 class Brackets(NamedTuple):
-    """Parts of steps in which an event may have zeros: states before them, shares of the step, and values at both ends."""
+    """Parts of steps in which an event may have zeros: states before the steps, both ends as fractions, values there."""
 
     t: Floats
     size: Floats
@@ -26,16 +26,16 @@ class Brackets(NamedTuple):
     last: Floats
 
     def part(self, which: Any) -> "Brackets":
-        """Return some of them."""
+        """Return some of the brackets."""
         return Brackets(*(array[which] for array in self))
 
     def joined(self, *others: "Brackets") -> "Brackets":
-        """Return these and others."""
+        """Return these brackets and others."""
         return Brackets(*(np.concatenate(arrays) for arrays in zip(self, *others, strict=True)))
 
 
 class Zero(NamedTuple):
-    """A zero of an event, by its number, and the state there."""
+    """A zero: its time, the number of the event, and the state there."""
 
     t: float
     event: int
@@ -44,9 +44,9 @@ class Zero(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What was found of events up to a step: zeros, the steps in which further ones are, and the evaluations that it took.
+    """Results of the search for zeros up to a step: zeros, brackets of further ones, and force evaluations.
 
-    No zero up to the time `beyond` ends a run: it continued from there.
+    No zero up to the time `beyond` ends the run, because it was continued from there.
     """
 
     zeros: tuple[Zero, ...]
@@ -56,9 +56,9 @@ class Seen(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What a look at a chunk has found: after how many of its steps it ends, the zero at which it does, and what went wrong.
+    """Result of the search in a chunk of steps: the number of steps before its end, the zero that ends it, and a failure.
 
-    And whether the function has no zero there, but jumps over it in an impact.
+    And whether the function jumps over zero in an impact.
     """
 
     steps: int
@@ -69,9 +69,9 @@ class Found(NamedTuple):
 
 @compiled
 def find_changes(values: Floats, found: NDArray[np.int64]) -> int:
-    """Note after which of its values a function passes through zero, or comes to it; return how often it does.
+    """List the indices after which a function crosses or reaches zero; return their number.
 
-    One pass over memory; masks of NumPy take six, 5 ns a step.
+    It passes over memory once; masks of NumPy do six times, 5 ns a step.
     """
     count = 0
     for row in range(values.size - 1):
@@ -83,13 +83,13 @@ def find_changes(values: Floats, found: NDArray[np.int64]) -> int:
 
 
 def changes(parts: Brackets) -> NDArray[np.bool_]:
-    """Return the steps in which a function passes through zero, or comes to it."""
+    """Return the steps in which a function crosses or reaches zero."""
     first, last = parts.first, parts.last
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
 
 
 def tolerance_of(brackets: Brackets) -> Floats:
-    """Return how well the zeros in parts of steps can be known, in steps."""
+    """Return the accuracy with which zeros can be located, in steps."""
     return np.asarray(4.0 * np.spacing(np.abs(brackets.t) + np.abs(brackets.size)) / np.abs(brackets.size))
 
 
@@ -101,7 +101,7 @@ def search(
     value_at: Callable[[NDArray[np.intp], Floats], Floats],
     tolerance: Floats,
 ) -> Floats:
-    """Find the zero between each pair of ends by the Illinois rule and halves.
+    """Find the zero between each pair of ends by the Illinois algorithm and bisection.
 
     M. Dowell, P. Jarratt, BIT 11, 168 (1971).
 
@@ -114,7 +114,7 @@ def search(
     value_at : callable
         ``value_at(which, points)`` returns the values of these functions, by their indices, at points.
     tolerance : (B,) array
-        Of the zeros.
+        The zeros.
     """
     begin, end, first, last = (array.copy() for array in (begin, end, first, last))
     sign, kept = np.sign(first), np.zeros(begin.size)
@@ -125,7 +125,7 @@ def search(
         a, b, fa, fb = begin[at], end[at], first[at], last[at]
         point = _guess(a, b, fa, fb, tolerance[at], halves=round_ % 3 == 2)
         value = value_at(at, point)
-        later = value * sign[at] > 0.0  # the zero lies after this
+        later = value * sign[at] > 0.0  # the zero is later
         first[at] = np.where(later, value, np.where(kept[at] < 0.0, 0.5 * fa, fa))
         last[at] = np.where(later, np.where(kept[at] > 0.0, 0.5 * fb, fb), value)
         begin[at], end[at], kept[at] = np.where(later, point, a), np.where(later, b, point), np.where(later, 1.0, -1.0)
@@ -133,7 +133,7 @@ def search(
 
 
 def _guess(a: Floats, b: Floats, fa: Floats, fb: Floats, tolerance: Floats, *, halves: bool) -> Floats:
-    """Return where straight lines between the ends pass through zero, or the middle; never too near to an end."""
+    """Return the zeros of the secants, or the midpoints; never too close to an end."""
     middle, near = 0.5 * (a + b), 0.5 * tolerance
     if halves:
         return middle

@@ -127,14 +127,18 @@ def draw_bodies(axes: "Axes", bodies: Bodies, solution: Solution, title: str) ->
     unit = solution.about.units.get("x")
     space = solution.about.coordinates.get("space", ("x", "y"))
     crowd, colours = bodies.radius.size > _MOST_NAMES, _colours(bodies)
+    faint = 0.25 * (_MOST_NAMES / bodies.radius.size) ** 0.5  # so that the dots are seen on the orbits of thousands
     for i in range(bodies.radius.size):
         curve = _curve(bodies.t, bodies.paths[:, i], bodies.velocities[:, i])
         x, y = (bodies.paths[:, i] if curve is None else curve).T
         colour = colours[i]
         dots = {"linestyle": "", "marker": ".", "markersize": 1}
         style: dict[str, Any] = {"linewidth": 0.8} if curve is not None else dots
-        axes.plot(x, y, color=colour, alpha=0.25 if crowd else 0.75, **style)
-        axes.plot(x[-1], y[-1], "o", color=colour, markersize=2 if crowd else 5, markeredgecolor="white")
+        axes.plot(x, y, color=colour, alpha=faint if crowd else 0.75, **style)
+        if not crowd:
+            axes.plot(x[-1], y[-1], "o", color=colour, markersize=5, markeredgecolor="white")
+    if crowd:
+        axes.plot(*bodies.paths[-1].T, "o", color=INK, markersize=1.5, markeredgewidth=0, zorder=3)
     if bodies.radius.size == 1:
         axes.plot(*bodies.paths[0, 0], "o", markerfacecolor="white", markeredgecolor=COLOURS[0], markersize=5)
     dress(axes, label(space[0], unit), label(space[1], unit), title)

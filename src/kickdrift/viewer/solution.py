@@ -24,6 +24,8 @@ _APART = 0.1  # of the way to the nearest body, which a ball may fill
 _FINE = 1 / 32  # of the smallest ball, to which places are rounded
 _ROWS_MEASURED = 20
 _MOST_POINTS = 50_000  # of all orbits: more of them are slow on a machine without a graphics card
+_MOST_ORBITS = 200  # bodies that have one: those of thousands are a sheet that hides all bodies
+_DOT = 5e-3  # size of dots that stand for so many bodies, of the radius of the scene: four pixels
 _MOST_TAILS, _TAIL = 50, 24  # bodies that have one, and its states
 _MOST_NAMES = 30
 _FAINT = 0.6  # of white in the colours of orbits
@@ -45,7 +47,8 @@ def solution_to_html(solution: Solution, path: str | Path) -> Path:
     solution : Solution
         Of bodies in the plane or in space: x0 of shape (2,), (3,), (N, 2) or (N, 3). It plays in at most 20 s, in 30 states
         a second of those kept. Orbits are drawn through the states; where these are so far apart that no curve can be seen
-        in them, as points. More than 50 bodies have no tails, more than 30 no names.
+        in them, as points. More than 30 bodies have no names, more than 50 no tails, and more than 200 no orbits, which the
+        page says; these are dots of one size.
     path : path
         Ends in ``.html``.
 
@@ -80,9 +83,15 @@ def _play(stage: Stage, solution: Solution) -> str:
     orbits = _orbits(solution)
     rows, waits = _rows_shown(solution.t)
     stage.look(np.zeros(3), _RADIUS)
-    _draw_paths(stage.scene, orbits)
-    movers: list[_Mover] = [_Balls(stage.scene, orbits)]
-    if len(orbits.colours) <= _MOST_TAILS:
+    title, bodies = f"{solution.about.system} by {solution.about.method}", len(orbits.colours)
+    movers: list[_Mover] = []
+    if bodies <= _MOST_ORBITS:
+        _draw_paths(stage.scene, orbits)
+        movers.append(_Balls(stage.scene, orbits))
+    else:
+        movers.append(_Dots(stage.scene, orbits))
+        title += f", {bodies} bodies without their orbits"
+    if bodies <= _MOST_TAILS:
         movers.append(_Tails(stage.scene, orbits, rows))
     names = tuple(solution.about.coordinates.get("body", ()))
     if 1 < len(names) <= _MOST_NAMES:
@@ -94,7 +103,7 @@ def _play(stage: Stage, solution: Solution) -> str:
     stage.wait(1.0 / _RATE)
     about = solution.about
     curves = [Curve("energy error", energy_error(solution), COLOURS[0])] if "energy" in solution.invariants else []
-    return panel(f"{about.system} by {about.method}", solution.t, curves, sum(waits), about.units.get("t", ""))
+    return panel(title, solution.t, curves, sum(waits), about.units.get("t", ""))
 
 
 def _orbits(solution: Solution) -> _Orbits:
@@ -174,6 +183,22 @@ class _Balls:
 
     def _at(self, row: int) -> Singles:
         return rounded(self._paths[row], self._grain)
+
+
+class _Dots:
+    """Thousands of bodies: balls, of 500 triangles each, would take the time of a graphics card."""
+
+    def __init__(self, scene: Any, orbits: _Orbits) -> None:
+        self._paths = orbits.paths
+        self._handle = scene.add_point_cloud(
+            "/bodies", self._at(0), orbits.colours, point_size=_DOT * _RADIUS, point_shape="circle", precision="float32"
+        )
+
+    def show(self, row: int) -> None:
+        self._handle.points = self._at(row)
+
+    def _at(self, row: int) -> Singles:
+        return rounded(self._paths[row], _FINE * _DOT * _RADIUS)
 
 
 def _radii(paths: Floats) -> Singles:
