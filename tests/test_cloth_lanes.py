@@ -20,10 +20,12 @@ def forces(world):
     """Forces of the membrane and of bending on the vertices of the only cloth of a world, damped and twice in a row."""
     lanes = world.tables.array(tables.PARTICLE_LANES)
     lanes[:] = 0.0
-    for begins in (True, False):
+    particles = world.tables.array(tables.PARTICLE)
+    for damped in (0.0, 1.0 / PART):
         fill_lanes(world.tables.address, 0)
-        membrane.add_membrane(world.tables.address, 0, PART, 1.0, begins)
-        bending.add_bending(world.tables.address, 0, 0.5)
+        membrane.add_membrane(world.tables.address, 0, 1.0, damped)
+        bending.add_bending(world.tables.address, 0, 0.5, damped)
+        particles[:, :3] += PART * particles[:, layout.PARTICLE_VELOCITY :][:, :3]
     return lanes.reshape(layout.LANE_FIELDS, -1)[layout.FORCES : layout.FORCES + 3].T.copy()
 
 
@@ -47,6 +49,8 @@ def test_forces_do_not_depend_on_how_vertices_and_triangles_are_numbered():
     order = rng.permutation(len(vertices))  # new number of each vertex
     back = np.argsort(order)
     shuffled = sheet(vertices[back], rng.permutation(order[triangles]), moved[back], speeds[back])
+    # Rates are found to 1e-3 only, and say how much of the damping is granted.
+    shuffled.tables.array(tables.CLOTH_NUMBERS)[:] = regular.tables.array(tables.CLOTH_NUMBERS)
     assert in_rows(regular).mean() > 0.7
     assert not in_rows(shuffled).any()
     wanted, found = forces(regular), forces(shuffled)[order]
@@ -72,8 +76,8 @@ def test_forces_are_in_vectors():
     # Losing the vectors changes no result, only the speed.
     word, number = numba.int64, numba.float64
     for function, types, roots, products in (
-        (membrane.add_membrane, (word, word, number, number, numba.boolean), 2, 40),
-        (bending.add_bending, (word, word, number), 0, 9),
+        (membrane.add_membrane, (word, word, number, number), 2, 40),
+        (bending.add_bending, (word, word, number, number), 0, 9),
     ):
         fresh = numba.jit(**function.targetoptions)(function.py_func)
         fresh.compile(types)

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
+from kickdrift.world import tables
+from kickdrift.world.cloth import layout
+from kickdrift.world.cloth.face_tree import face_tree
+from kickdrift.world.cloth.mesh import cloth_mesh, grid
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, nearest
+from kickdrift.world.collision.bvh import BRANCH
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down
@@ -68,6 +73,42 @@ def test_a_heap_that_does_not_collide_with_itself_crosses():
     world, strip = heap(False)
     world.advance(STEP, 120)
     assert crossings(strip) > 10
+
+
+def test_what_is_known_of_pairs_holds_until_they_are_sought_anew():
+    """The distance that particles have travelled is counted from the search on, over all substeps."""
+    world, _ = heap(True)
+    world.advance(STEP, 80)
+    count, travelled = world.tables.count(tables.CLOTH_PAIR), world.tables.row(tables.CLOTH_SEARCH, 0)[layout.TRAVELLED]
+    seen = [world.tables.row(tables.CLOTH_PAIR_NUMBERS, row)[layout.PAIR_SEEN] for row in range(count)]
+    assert 0.0 < max(seen) <= travelled
+
+
+def test_patches_that_are_not_compared_are_one_piece_with_what_joins_them():
+    mesh = cloth_mesh(*grid(14, 9, (1.0, 0.6)))
+    tree = face_tree(mesh)
+
+    def faces(node):
+        items = tree.items[node : fit(node)]
+        return set(items[items >= 0].tolist())
+
+    def fit(node):
+        """The node after all that is below, as `bvh.fit` finds it for branches."""
+        if tree.items[node] != BRANCH:
+            return tree.skips[node]
+        return fit(fit(node + 1))
+
+    of_sides = [set(sides[sides >= 0].tolist()) for sides in mesh.sides]
+
+    def share_sides(one, other):
+        return any(of_sides[f] & of_sides[g] for f in faces(one) for g in faces(other))
+
+    assert len(tree.neighbours) > 50
+    for first, second, between in tree.neighbours.tolist():
+        assert first < second
+        assert not faces(first) & faces(second)
+        assert share_sides(first, between)
+        assert between == second or share_sides(between, second)
 
 
 @pytest.mark.parametrize("self_collision", [True, False])

@@ -18,7 +18,7 @@ def energy_error(solution: Solution) -> Floats:
     Returns
     -------
     (T,) array
-        With its sign: positive where energy was gained.
+        Signed: positive where energy was gained.
 
     Raises
     ------

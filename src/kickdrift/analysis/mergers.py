@@ -117,7 +117,7 @@ def _bisect(dense: DenseOutput, many: int, high: float, after: States) -> tuple[
 
 
 def _only(dense: DenseOutput, row: int) -> DenseOutput:
-    """Return what goes on from one row."""
+    """Return the output that continues from one row."""
     one = slice(row, row + 1)
     return replace(dense, t=dense.t[one], x=dense.x[one], v=dense.v[one], steps=dense.steps[one])
 

@@ -28,7 +28,7 @@ class OrbitalElements:
     i : (T, N) array
         Inclinations to the x-y plane, from 0 to pi.
     Omega : (T, N) array
-        Longitudes of the ascending node, from 0 to 2 pi; 0 where there is no node.
+        Longitudes of the ascending node, from 0 to 2 pi; 0 if there is no node.
     omega : (T, N) array
         Arguments of the pericentre, from 0 to 2 pi; for circular orbits the origin of M.
     M : (T, N) array
@@ -114,7 +114,7 @@ def _heliocentric(gm: Floats, states: Floats) -> Floats:
 
 
 def _relative(gm: Floats, states: Floats) -> Floats:
-    """Return what bodies are relative to the centre of mass of those before."""
+    """Return positions or velocities relative to the centre of mass of the bodies before."""
     centres = np.cumsum(gm[:, None] * states, axis=1) / np.cumsum(gm)[:, None]
     difference: Floats = states[:, 1:] - centres[:, :-1]
     return difference

@@ -27,7 +27,7 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     Returns
     -------
     (T,) array
-        In units of time: positive where the run is ahead. NaN where the state is not finite.
+        In units of time: positive if the run is ahead; NaN where the state is not finite.
 
     Raises
     ------

@@ -24,7 +24,7 @@ _EXACT_TO = 1e-12  # of the states: what the reference is off by, or rounding
 
 @dataclass(frozen=True, eq=False)
 class Pilot:
-    """The beginning of a run, and where it should lead.
+    """The beginning of a run, and its accurate result.
 
     Attributes
     ----------

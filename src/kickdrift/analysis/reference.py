@@ -1,4 +1,4 @@
-"""What runs are measured against: the exact motion where it is known, or DOP853 at a tight tolerance."""
+"""References for runs: the exact motion if it is known, otherwise DOP853 at a tight tolerance."""
 
 from collections.abc import Sequence
 from typing import Any

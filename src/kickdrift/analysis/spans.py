@@ -1,4 +1,4 @@
-"""Spans of time from what users give."""
+"""Time spans from users' arguments."""
 
 import math
 from typing import Any

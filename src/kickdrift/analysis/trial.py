@@ -1,4 +1,4 @@
-"""What a method needs for a tolerance, by runs of a pilot."""
+"""The cost of a method for a tolerance, by runs of a pilot."""
 
 import math
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ _DISSIPATIVE = (Kind.FIRST_ORDER, Kind.VELOCITY_DEPENDENT, Kind.DAMPED, Kind.PAR
 
 @dataclass(frozen=True)
 class Trial:
-    """What a method needs for a tolerance.
+    """The cost of a method for a tolerance.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class Trial:
     seconds : float
         Over the whole span, as the pilot ran.
     error : float
-        What is expected at the end of the span.
+        The error expected at the end of the span.
     energy_error : float
         The largest relative one in the pilot; NaN where there is no energy.
     growth : float
         The power of time with which errors are taken to grow.
     runs : int
-        How many pilot runs there were.
+        Number of pilot runs.
     """
 
     method: str

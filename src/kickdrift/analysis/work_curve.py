@@ -1,4 +1,4 @@
-"""Errors over work: what a method costs, and how exact it is, at several steps."""
+"""Errors over work: cost and accuracy of a method at several steps."""
 
 from dataclasses import dataclass
 

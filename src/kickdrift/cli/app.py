@@ -44,7 +44,7 @@ OutputOption = Annotated[
 
 
 class Catalogue(StrEnum):
-    """What `list` lists."""
+    """The choices of `list`."""
 
     METHODS = "methods"
     SYSTEMS = "systems"

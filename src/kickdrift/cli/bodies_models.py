@@ -1,4 +1,4 @@
-"""What a bodies file may hold: a model for each of its tables, which takes nothing else."""
+"""The format of a bodies file: a strict model for each of its tables."""
 
 from typing import Annotated, Any
 
@@ -21,7 +21,7 @@ class _Strict(BaseModel):
     @field_validator("*")
     @classmethod
     def _printable(cls, value: Any) -> Any:
-        # Texts of strangers go to the terminal, where a control character is a command.
+        # These texts are printed on the terminal, where control characters are commands.
         if isinstance(value, str) and not value.isprintable():
             raise ValueError("it contains unprintable characters; remove them.")
         return value

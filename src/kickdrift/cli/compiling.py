@@ -16,7 +16,7 @@ from kickdrift.world.compiling import all_jobs
 
 
 def compile_all(quiet: bool) -> int:
-    """Compile what worlds and the systems of the catalogue need, in several processes, and return the exit code."""
+    """Compile the functions of worlds and of the systems of the catalogue, in several processes, and return the exit code."""
     jobs, started = missing([*all_jobs(), *letters.shared()]), time.perf_counter()
     finished, lock, wanted = 0, Lock(), False if quiet else None
     with (

@@ -1,4 +1,4 @@
-"""What the interpreter calls is compiled at its first call: short runs of all that users call, for `kickdrift compile`."""
+"""Short runs of everything that users call, for `kickdrift compile`: entry points are compiled at their first call."""
 
 import tempfile
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What the command line writes: files in a folder, tables on the terminal, and a line at a time about the run."""
+"""Output of the command line: files in a folder, tables on the terminal, and messages about the run."""
 
 import shutil
 import sys
@@ -30,7 +30,7 @@ def prepare_folder(folder: Path) -> Path:
 
 
 def say(sentence: str) -> None:
-    """Print a line on standard error, where what is about the run goes."""
+    """Print a message about the run on standard error."""
     print(f"kickdrift: {sentence}", file=sys.stderr, flush=True)
 
 

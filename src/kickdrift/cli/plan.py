@@ -17,7 +17,7 @@ SOLAR_SYSTEM = "solar-system"
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line was given; None for what it was not."""
+    """The arguments of the command line; None for those not given."""
 
     duration: str | None = None
     years: str | None = None
@@ -72,7 +72,7 @@ def _scenes() -> tuple[str, ...]:
 
 
 def make_plan(target: str, options: Options, *, comparison: bool = False) -> Plan:
-    """Work out what to run, without doing any of it.
+    """Determine what to run, without doing any of it.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def _step(options: Options, wishes: _Wishes, unit: str, target: str) -> float:
 
 
 def save_every(options: Options, otherwise: int | None) -> int | None:
-    """Return how many steps lie between the states to be kept.
+    """Return the number of steps between the states to keep.
 
     Raises
     ------

@@ -95,7 +95,7 @@ def run_scene(
 
 
 def _compile_ahead(world: World, step: float, quiet: bool) -> None:
-    """Compile what the first step of a world needs, which is no part of the run."""
+    """Compile the functions that the first step of a world needs, before the run is timed."""
     before = world.snapshot()
     with compiling_announced(False if quiet else None):
         world.step(step)
@@ -109,7 +109,7 @@ def _film(recording: Recording, path: Path, quiet: bool) -> None:
 
 
 def _page(recording: Recording, path: Path) -> Path | None:
-    """Write the page for the browser, where viser is installed."""
+    """Write the page for the browser, if viser is installed."""
     try:
         return recording.to_html(path)
     except MissingExtraError:

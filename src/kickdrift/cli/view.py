@@ -1,4 +1,4 @@
-"""``kickdrift view``: worlds that run in the browser, and what was kept of runs as pages that play."""
+"""``kickdrift view``: worlds that run in the browser, and recordings and solutions as pages that play."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from kickdrift.world.tables import SETTINGS
 from kickdrift.world.world import World
 
 _ROBOTS = (".xml", ".urdf", ".mjcf")
-_STEP, _ROBOTS_STEP = 1 / 60, 1 / 200  # s, where nothing says another
+_STEP, _ROBOTS_STEP = 1 / 60, 1 / 200  # s, by default
 
 
 def view(target: str, step: str | None, port: int) -> int:

@@ -1,4 +1,4 @@
-"""What people keep: files of solutions, recordings and worlds, tables and reports."""
+"""Files of solutions, recordings and worlds, tables and reports."""
 
 from kickdrift.io.loading import load
 from kickdrift.io.pandas import to_pandas

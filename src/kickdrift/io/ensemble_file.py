@@ -24,7 +24,7 @@ def save(solution: EnsembleSolution, path: str | Path) -> Path:
     Returns
     -------
     Path
-        The file written; ``.npz`` is appended where it is missing.
+        The file written; ``.npz`` is appended if it is missing.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def contents(solution: EnsembleSolution) -> tuple[dict[str, Any], dict[str, NDAr
 
 
 def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:
-    """Make the solution of an ensemble of what a file holds.
+    """Create the solution of an ensemble from the contents of a file.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:
 def _events(
     arrays: dict[str, Any], members: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]
 ) -> dict[str, Any]:
-    """Return the zeros of events that a file holds; earlier files have none."""
+    """Return the zeros of events in a file; earlier files have none."""
     if "n_events" not in arrays:
         return {}
     zeros = separated(arrays, members)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from kickdrift.io.report import lines
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
-_PART = 1024  # members whose rows are in memory at a time, where they are on disk
+_PART = 1024  # members whose rows are in memory at a time, if they are on disk
 _MOST = 3  # members that failed which are named
 
 

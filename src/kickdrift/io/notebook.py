@@ -1,4 +1,4 @@
-"""What notebooks show of solutions, recordings and worlds: their facts, and a small picture."""
+"""HTML for notebooks of solutions, recordings and worlds: their facts, and a small picture."""
 
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ def solution_html(solution: Solution) -> str:
 
 
 def world_html(world: "World") -> str:
-    """Return what is in a world, and what it looks like now."""
+    """Return the facts of a world, and a picture of its current state."""
     energy = world.energy()
     rows: list[tuple[str, object]] = [
         ("time", f"{world.time:.6g} s, {world.n_steps} steps"),

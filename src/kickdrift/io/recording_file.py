@@ -1,4 +1,4 @@
-"""Recordings on disk: a solution, with orientations and what the world looks like."""
+"""Recordings on disk: a solution, with orientations and the shapes of the world."""
 
 from pathlib import Path
 from typing import Any
@@ -44,7 +44,7 @@ def _rows(rows: list[list[float]], width: int) -> Any:
 
 
 def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
-    """Make a recording of what a file holds.
+    """Create a recording from the contents of a file.
 
     Raises
     ------

@@ -33,7 +33,7 @@ class Catalogue:
 
     @property
     def numbers(self) -> NDArray[np.float64]:
-        """What all shapes are made of, one after the other; whole numbers are exact as floats."""
+        """The numbers of all shapes, one after the other; integers are exact as floats."""
         return np.concatenate([np.zeros(0), *self._numbers])
 
 

@@ -24,7 +24,7 @@ def save(solution: Solution, path: str | Path) -> Path:
     ----------
     solution : Solution
     path : path
-        Where; ``.npz`` is appended where it is missing. The folder must exist.
+        ``.npz`` is appended if it is missing. The folder must exist.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def _range(given: Any) -> tuple[float, float]:
 
 
 def _estimate(given: Any, x: Any) -> Any:
-    """Return the estimate of errors that a file holds; earlier files have none."""
+    """Return the error estimate in a file; earlier files have none."""
     if given is None:
         return None
     estimate = np.array(given, dtype=float)
@@ -93,7 +93,7 @@ def _events(arrays: dict[str, Any], x: Any, v: Any) -> dict[str, Any]:
 
 
 def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Solution:
-    """Make a solution of what a file holds.
+    """Create a solution from the contents of a file.
 
     Raises
     ------

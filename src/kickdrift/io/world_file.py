@@ -30,7 +30,7 @@ from kickdrift.world.tables import BODY, CLOTH, JOINT, LINK_NUMBERS, PLACE, SHAP
 from kickdrift.world.world import World
 
 _KIND, _TABLE = "kickdrift world ", "table "
-# What is made of the records of shapes and of the joints, and not of what a file says of it
+# Tables that are made from the records of shapes and joints, not read from the file
 MADE = ("SHAPE", "PLACE", "GEOMETRY", "ARTICULATION", "LINK", "GRAPH")
 _STORED: Mapping[str, Table] = {name: table for name, table in TABLES.items() if name not in MADE}
 _PART = 6  # row, shape, surface, body, whether it is only shown, state of the search
@@ -44,7 +44,7 @@ def save_world(world: World, path: str | Path) -> Path:
     world : World
         Forces added by users are functions; they are counted but not written, since a file holds no code.
     path : path
-        Where; ``.npz`` is appended where it is missing. The folder must exist.
+        ``.npz`` is appended if it is missing. The folder must exist.
 
     Returns
     -------

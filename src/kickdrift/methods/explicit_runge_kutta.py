@@ -1,4 +1,4 @@
-"""Explicit Runge-Kutta methods: accurate over short times, and what the energy of long ones drifts with."""
+"""Explicit Runge-Kutta methods: accurate over short times, with energy drift over long ones."""
 
 from fractions import Fraction
 

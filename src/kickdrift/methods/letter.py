@@ -48,7 +48,7 @@ class Letter(Enum):
 
     @property
     def share(self) -> str:
-        """What the letter takes a share of: in a word, the shares of each of these add up to 1."""
+        """The part of the dynamics that the letter advances: in a word, the fractions of each of these add up to 1."""
         return _SHARES.get(self, self.value)
 
     @property
@@ -70,7 +70,7 @@ class Letter(Enum):
 
     @property
     def plain(self) -> "Letter":
-        """What it is where the accelerations do not depend on v, nor the rates of x on x."""
+        """The letter that replaces it if accelerations do not depend on v, nor rates of x on x."""
         return _PLAIN.get(self, self)
 
     @property
@@ -95,7 +95,7 @@ class Letter(Enum):
 
     @property
     def parameters(self) -> int:
-        """How many numbers of the method it has as parameters."""
+        """Number of coefficients of the method that are its parameters."""
         return _PARAMETERS.get(self, 0)
 
     @property

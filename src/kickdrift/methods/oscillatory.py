@@ -1,4 +1,4 @@
-"""Words of exact oscillations and kicks by what else there is: trigonometric methods, for steps beyond h omega = 2.
+"""Words of exact oscillations and kicks by the remaining forces: trigonometric methods, for steps beyond h omega = 2.
 
 They differ by how the kicks are filtered, see `kickdrift.engine.flows.oscillation`, and so by what happens where h omega is
 close to a multiple of pi: without filters the error grows there, for every such frequency that the other forces drive.

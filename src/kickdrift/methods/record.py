@@ -161,7 +161,7 @@ class Method:
             )
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the HTML that notebooks show."""
         rows = {
             "order": f"{self.order} {self.generalised_order or ''}".rstrip(),
             "for": self.kind.value,
@@ -206,7 +206,7 @@ class Method:
 
     @property
     def coefficients(self) -> NDArray[np.float64]:
-        """What the flows need to know of the method: the numbers of its tableau, or its parameters.
+        """The coefficients that the flows need: the numbers of its tableau, or its parameters.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Methods for light bodies around a heavy one: A, the exact flow of Kepler problems, and B, kicks by what is left.
+"""Methods for light bodies around a heavy one: A, the exact flow of Kepler problems, and B, kicks by the remaining forces.
 
 Where B is e times as large as A, errors are sums of e h^p + e^2 h^q + ..., and p matters most: (p, q, ...) is the
 generalised order of a method. The order of its record, which holds for any e, is the least of them.

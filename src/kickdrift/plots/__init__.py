@@ -1,4 +1,4 @@
-"""What people look at: pictures by matplotlib, which is imported when the first one is drawn."""
+"""Pictures by matplotlib, which is imported when the first one is drawn."""
 
 from kickdrift.plots.energy import plot_energy_comparison
 from kickdrift.plots.poincare import plot_poincare_sections

@@ -54,7 +54,7 @@ def _name_of_error(solution: Solution) -> str:
 
 
 def _draw_band(axes: "Axes", t: Floats, error: Floats, colour: str) -> None:
-    """Draw a line, or where it has more points than can be seen, the band between its extremes."""
+    """Draw a line, or, if it has more points than can be resolved, the band between its extremes."""
     finite = np.isfinite(error)
     t, error = t[finite], error[finite]
     if t.size <= 2 * _BINS:

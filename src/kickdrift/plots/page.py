@@ -81,7 +81,7 @@ def check_axes(ax: Any) -> None:
 
 
 def dress(axes: "Axes", x: str, y: str, title: str = "") -> None:
-    """Label a panel, and leave out of its frame what carries nothing."""
+    """Label a panel, and remove the empty sides of its frame."""
     axes.set_xlabel(x, color=INK)
     axes.set_ylabel(y, color=INK)
     axes.set_title(title, loc="left", fontsize=10, color=INK)

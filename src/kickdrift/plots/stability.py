@@ -1,4 +1,4 @@
-"""Where a method is stable."""
+"""Plots of stability regions."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

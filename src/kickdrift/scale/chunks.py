@@ -12,7 +12,7 @@ from kickdrift.scale.running import Runs
 from kickdrift.systems.system import System
 
 _TASKS_OF_A_WORKER = 8  # so that one that is slow, or dies, does not keep the others waiting
-_BYTES = 1 << 28  # of the rows of a chunk, where they go to disk
+_BYTES = 1 << 28  # of the rows of a chunk, if they go to disk
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Chunk:
 
 
 def run_chunk(chunk: Chunk, threads: int = 1, tell: Callable[[int], None] = lambda done: None) -> Results:
-    """Run the members of a chunk, in whatever process this is; the results have no rows where these go to disk."""
+    """Run the members of a chunk, in any process; the results contain no rows if these go to disk."""
     if chunk.store is not None:
         chunk.store.open()  # which fails before the work, if it does
     prepared = prepare(chunk.members, chunk.settings, False, chunk.lead)
@@ -60,7 +60,7 @@ def run_here(
 
 
 def members_of_chunk(prepared: Prepared, workers: int, to_disk: bool, least: int = 1) -> int:
-    """Return how many members a chunk has that each of so many workers gets some of."""
+    """Return the number of members of a chunk, such that each worker gets several chunks."""
     count = prepared.members.count
     size = max(-(-count // (_TASKS_OF_A_WORKER * workers)), least)
     if size > LANES // 2:
@@ -72,7 +72,7 @@ def members_of_chunk(prepared: Prepared, workers: int, to_disk: bool, least: int
 
 
 def chunks_of(prepared: Prepared, size: int, results: Results, store: MemberStore | None = None) -> Iterator[Chunk]:
-    """Cut the members into chunks, and leave out those that are done."""
+    """Divide the members that are not done into chunks."""
     members = prepared.members
     settings = replace(prepared.settings, method=prepared.chosen.method, order=None)
     lead = _sent(members.part(0, 1))
@@ -83,7 +83,7 @@ def chunks_of(prepared: Prepared, size: int, results: Results, store: MemberStor
 
 
 def _sent(members: Members) -> Members:
-    """Leave behind what no run needs: closures cannot be sent."""
+    """Return a copy without the closures, which cannot be pickled and are not needed."""
     if not isinstance(members.problem, System):
         return members
     return replace(members, problem=replace(members.problem, exact=None))

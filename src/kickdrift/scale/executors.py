@@ -19,19 +19,19 @@ from kickdrift.scale.results import Results
 T = TypeVar("T")
 
 _VERSION = "kickdrift.__version__"
-_WORKERS = 8  # where an executor does not say how many it has
-_LOOK_SECONDS = 1.0  # between two looks at whether there are workers
+_WORKERS = 8  # assumed if an executor does not tell its number
+_LOOK_SECONDS = 1.0  # s between two checks for workers
 _PATIENCE = "distributed.comm.timeouts.connect"  # of Dask's settings: how long it waits for others, 30 s by default
 
 
 class NoWorkerError(KickdriftError):
-    """No worker is left of an executor, and none has come for as long as it waits for one."""
+    """An executor has no workers left, and none has joined in time."""
 
 
 def run_on(
     executor: Any, prepared: Prepared, results: Results, store: MemberStore | None, tell: Callable[[int], None]
 ) -> None:
-    """Run members as tasks of an executor, which write them where there is a store, and tell how many steps are done.
+    """Run members as tasks of an executor, which write to the store, if there is one, and report the steps done.
 
     What a worker leaves undone that dies, and the executor does not repeat, is done here. A KeyboardInterrupt keeps the chunks
     that are done.
@@ -41,7 +41,7 @@ def run_on(
     ArgumentError
         Where there are no workers, they lack kickdrift, or the problem cannot be sent to them.
     NoWorkerError
-        Where no worker is left.
+        If no worker is left.
     """
     size = members_of_chunk(prepared, workers_of(executor), False) if store is None else store.members_of_chunk
     if callable(getattr(executor, "get_executor", None)):
@@ -78,7 +78,7 @@ def run_on(
 
 
 def _submitted(executor: Any, chunk: Chunk) -> Any:
-    """Return the future of a chunk; a pool that broke meanwhile takes none, which is the end of this one, too."""
+    """Submit a chunk; a pool that has broken refuses it, which counts as the death of a worker."""
     try:
         return executor.submit(run_chunk, chunk)
     except BrokenExecutor as error:
@@ -88,7 +88,7 @@ def _submitted(executor: Any, chunk: Chunk) -> Any:
 
 
 def _check(executor: Any) -> None:
-    """Refuse what is no executor, and one whose workers do not have this version of kickdrift."""
+    """Refuse objects that are not executors, and executors whose workers do not have this version of kickdrift."""
     if not callable(getattr(executor, "submit", None)):
         raise ArgumentError(
             f"executor={executor!r} has no method submit; give an executor of concurrent.futures, or a Dask client."
@@ -115,7 +115,7 @@ def _check(executor: Any) -> None:
 
 
 def _check_sent(executor: Any, chunk: Chunk) -> None:
-    """Refuse what the standard library cannot send to other processes; Dask can send more."""
+    """Refuse problems that the standard library cannot pickle; Dask can send more."""
     if isinstance(executor, ProcessPoolExecutor):
         try:
             pickle.dumps(chunk)
@@ -148,7 +148,7 @@ def _warn(error: Exception) -> bool:
 
 
 def workers_of(executor: Any) -> int:
-    """Return how many workers an executor has, or how many there may be."""
+    """Return the number of workers of an executor, or its maximum."""
     own = getattr(executor, "_max_workers", None)
     if own is None and callable(getattr(executor, "ncores", None)):
         own = sum(executor.ncores().values())

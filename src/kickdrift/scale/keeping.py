@@ -49,7 +49,7 @@ class Kept:
         self._checkpoints.close()
 
     def look(self) -> None:
-        """Write a checkpoint where one is due."""
+        """Write a checkpoint if one is due."""
         if self._every is None:
             due = time.perf_counter() - self._written > _SECONDS
         else:
@@ -94,7 +94,7 @@ class Kept:
 
 
 def identity_of(prepared: Prepared) -> dict[str, str]:
-    """Return what determines an ensemble, by the names of the arguments of `solve_ensemble`."""
+    """Return the identity of an ensemble, by the names of the arguments of `solve_ensemble`."""
     members, settings, method = prepared.members, prepared.settings, prepared.chosen.method
     return {
         "problem": digest(written(members.problem)),

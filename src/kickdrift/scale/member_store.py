@@ -30,7 +30,7 @@ _OF_MEMBERS = {
 
 
 class MemberStore(ZarrGroup):
-    """A group of arrays along members and time, as large as they will be from the start: NaN where a member is not done.
+    """A group of arrays along members and time, created at full size, with NaN for members that are not done.
 
     A chunk of members is done when its ``status`` is there, which is written last. What a worker has written that died before
     that is not written again: the bits are the same.
@@ -86,7 +86,7 @@ class MemberStore(ZarrGroup):
                 ) from None
 
     def array(self, name: str) -> Any:
-        """Return an array of all members, which reads what is asked of it."""
+        """Return an array of all members that is read from disk on access."""
         return StoredArray(self._group[_key(name)])
 
     def put(self, first: int, prepared: Prepared, results: Results) -> Results:

@@ -1,4 +1,4 @@
-"""The members of an ensemble: what each has of its own, start, numbers, step or seed."""
+"""The members of an ensemble: the initial state, parameters, step or seed of each."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def members_of(
     step: ArrayLike | None,
     seeds: Sequence[int] | None,
 ) -> Members:
-    """Find the members in what a user gives, see `kickdrift.solve_ensemble`.
+    """Return the members that the arguments describe, see `kickdrift.solve_ensemble`.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def _numbers(name: str, value: Any) -> Floats:
 
 
 def _count(given: Mapping[str, Any]) -> int:
-    """Return how many members there are, of which all that is given has as many, or one for all."""
+    """Return the number of members: each argument has one value per member, or one for all."""
     counts = {name: len(values) for name, values in given.items() if values is not None}
     count = max(counts.values())
     if any(own not in (1, count) for own in counts.values()):
@@ -192,7 +192,7 @@ def _seeds(problem: Any, seeds: Sequence[int] | None) -> NDArray[np.uint64] | No
 def _swept(
     problem: Any, ranges: Mapping[str, Any]
 ) -> tuple[list[dict[str, Any]] | None, dict[str, Any], Floats | None]:
-    """Return the product of named ranges: as arguments of what makes systems, labels, or numbers of functions."""
+    """Return the product of named ranges: arguments of a function that makes systems, labels, and params of functions."""
     for name in ranges:
         if not isinstance(name, str) or name in _OURS:
             raise ArgumentError(f"args has the name {name!r}, which is already in use; give another.")
@@ -213,7 +213,7 @@ def _swept(
 
 
 def _arguments_of_maker(problem: Any) -> list[str] | None:
-    """Return the names of the arguments of what makes systems; None for a problem, or the function of one."""
+    """Return the names of the arguments of a function that makes systems; None for a problem, or the function of one."""
     if isinstance(problem, System | Problem) or not callable(problem):
         return None
     try:

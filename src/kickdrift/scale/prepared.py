@@ -35,7 +35,7 @@ _PART = 0.8  # of the memory that is free
 
 @dataclass(frozen=True)
 class Settings:
-    """What all members have: the arguments of `kickdrift.solve`."""
+    """The arguments of `kickdrift.solve` that are common to all members."""
 
     t_span: Sequence[float]
     method: str | Method | None
@@ -64,7 +64,7 @@ class Cohort:
 
 @dataclass(frozen=True)
 class Prepared:
-    """Members, and what their runs have in common.
+    """Members, and the common properties of their runs.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class Prepared:
         """Return x, v and params of all members, (M, n) each; None where they differ by more than these, or one cannot be."""
         try:
             return self._numbers()
-        except KickdriftError:  # of a member alone, which its run will say
+        except KickdriftError:  # an error of one member, which its run will report
             return None
 
     def _numbers(self) -> tuple[Floats, Floats, Floats] | None:

@@ -36,7 +36,7 @@ class Results:
     def empty(
         cls, count: int, times: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...], events: int = 0
     ) -> "Results":
-        """Make room for members, none of which has begun."""
+        """Allocate the results of members, none of which has begun."""
         return cls(
             np.empty((count, times, *shape)),
             np.empty((count, times, *shape_of_v)),
@@ -53,7 +53,7 @@ class Results:
         )
 
     def fill(self) -> None:
-        """Leave no row as it was found in memory: NaN after those that are filled."""
+        """Set the rows after those filled to NaN."""
         for i in np.flatnonzero(self.rows < self.x.shape[1]):
             self.x[i, self.rows[i] :] = self.v[i, self.rows[i] :] = np.nan
 

@@ -1,4 +1,4 @@
-"""Members run on threads: many at once in lanes where their steps allow, else one after the other by `kickdrift.solve`."""
+"""Members run on threads: many at once in lanes if their steps allow that, otherwise one after the other."""
 
 import threading
 import time

@@ -28,12 +28,12 @@ class StoredArray:
 
     @property
     def ndim(self) -> int:
-        """How many dimensions there are."""
+        """Number of dimensions."""
         return len(self.shape)
 
     @property
     def size(self) -> int:
-        """How many numbers there are."""
+        """Number of elements."""
         return int(np.prod(self.shape))
 
     def __len__(self) -> int:
@@ -46,7 +46,7 @@ class StoredArray:
         return np.asarray(self._array[...], dtype=dtype)
 
     def __getitem__(self, key: Any) -> Any:
-        """Read what is named by whole numbers, slices in either direction, and for one dimension a list or a mask.
+        """Read elements given by integers, slices in either direction, and for one dimension a list or a mask.
 
         Raises
         ------

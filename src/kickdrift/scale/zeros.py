@@ -19,7 +19,7 @@ class Zeros(NamedTuple):
 
 
 def none_of(events: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]) -> Zeros:
-    """Return those of a member that has none."""
+    """Return the zeros of a member without any."""
     return Zeros((np.zeros(0),) * events, (np.zeros((0, *shape)),) * events, (np.zeros((0, *shape_of_v)),) * events)
 
 

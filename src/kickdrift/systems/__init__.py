@@ -1,4 +1,4 @@
-"""The systems: what moves. A new one is a file of its own and a line in the catalogue."""
+"""The systems: descriptions of motion. A new one is a file of its own and a line in the catalogue."""
 
 from collections.abc import Callable
 

@@ -37,7 +37,7 @@ def check(constraints: Constraints, x: Floats, v: Floats) -> None:
 def _check_jacobian(constraints: Constraints, x: Floats) -> None:
     given, expected, closer = constraints.jacobian(x), constraints.differences(x), constraints.differences(x, 0.5)
     if not np.isfinite(expected).all():
-        return  # a displaced point may lie outside of what the constraint is defined on
+        return  # a displaced point may lie outside the domain of the constraint
     sizes = abs(expected).max(axis=1, keepdims=True)
     tolerance = 1e-6 * sizes + 1e-9 * sizes.max() + 10 * abs(expected - closer)
     wrong = ~(abs(given - expected) <= tolerance)

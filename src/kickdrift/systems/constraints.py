@@ -1,4 +1,4 @@
-"""The constraints of a system as functions of x alone, for NumPy: what is asked of them outside of a step."""
+"""The constraints of a system as functions of x alone, for use outside of steps, with NumPy."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -89,7 +89,7 @@ def _density(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
 
 def _quantities(masses: Floats, x0: Floats, v0: Floats) -> dict[str, Quantity]:
     """Return the conserved quantities; momenta are judged by the sizes of those of the bodies, which may cancel."""
-    with np.errstate(all="ignore"):  # what overflows is found in the run
+    with np.errstate(all="ignore"):  # the run reports overflow
         momenta = masses[:, None] * v0
         scale = float(np.linalg.norm(momenta, axis=1).sum())
         angular_scale = float(np.linalg.norm(np.cross(x0, momenta), axis=1).sum())

@@ -35,7 +35,7 @@ class Adapted:
 
 
 class Adapter(Protocol):
-    """What the engine provides to a problem: an initial state, and methods that adapt functions to it."""
+    """The engine's side of a problem: an initial state, and methods that adapt functions to it."""
 
     @property
     def t0(self) -> float:
@@ -51,7 +51,7 @@ class Adapter(Protocol):
 
     @property
     def args(self) -> Floats:
-        """What the user's functions get as params."""
+        """The params of the user's functions."""
 
     def adapt(
         self,
@@ -72,7 +72,7 @@ class Adapter(Protocol):
         """
 
     def shape_of(self, function: Any, role: str, names: Sequence[str]) -> tuple[int, ...]:
-        """Call a function at the start, and return the shape of what it returns."""
+        """Call a function at the start, and return the shape of its result."""
 
     def names_of(self, function: Any, role: str, names: Sequence[str]) -> frozenset[str]:
         """Return the names of a function's arguments."""
@@ -105,7 +105,7 @@ class Problem(ABC):
     start_in_params: ClassVar[bool] = False
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: what it was made of."""
+        """Return the HTML that notebooks show: the kind, and the arguments that it was made from."""
         given = [(name, value) for name, value in vars(self).items() if not name.startswith("_")]
         empty = [value is None or (isinstance(value, Mapping) and not value) for _, value in given]
         rows = [(name, _shown(value)) for (name, value), none in zip(given, empty, strict=True) if not none]

@@ -1,4 +1,4 @@
-"""What the splittings of planetary systems share: how the params end, and the record of a splitting.
+"""The common part of the splittings of planetary systems: the end of the params, and the record of a splitting.
 
 After G, softening^2 = 0 and Gm_0 to Gm_(N-1) come, N numbers each: 0 and Gm_1 to Gm_(N-1), which is what `gravity`
 wants for the planets alone; the weights of the bodies in a sum over masses, 0 for the first; and mu of the Kepler

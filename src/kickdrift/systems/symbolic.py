@@ -11,7 +11,7 @@ from kickdrift.systems.hamiltonian import Hamiltonian, Separable
 from kickdrift.systems.problem import OF_SHAPE
 from kickdrift.systems.second_order import SecondOrder
 
-_OWN = "kickdrift:"  # begins the names of symbols that stand for what the code has, so that no user's has the same
+_OWN = "kickdrift:"  # prefix of the names of the code's own symbols, which no user's symbol has
 
 
 def from_sympy(
@@ -162,7 +162,7 @@ class _Formulas:
             self._numbers[f"constant{k}"] = _number(symbol, value)
 
     def expression(self, argument: str, given: Any) -> Any:
-        """Return a formula in the symbols of the code: derivatives first, since they contain what they are derivatives of."""
+        """Return a formula in the symbols of the code; derivatives are replaced first, since they contain their variables."""
         sympy, formula = self._sympy, self._sympy.sympify(given)
         names = {symbol.name: own for symbol, own in self._replaced.items() if isinstance(symbol, sympy.Symbol)}
         for symbol in sorted(self._replaced, key=lambda symbol: not isinstance(symbol, sympy.Derivative)):
@@ -218,7 +218,7 @@ class _Formulas:
         return self._defined(name, "xvo", formulas, [*lines, *(f"out[{i}] = a{i}" for i in range(size))])
 
     def _lines(self, formulas: list[Any]) -> tuple[list[str], list[str]]:
-        """Spell common subexpressions, and what is left of the formulas."""
+        """Return the source of common subexpressions, and of the formulas that use them."""
         common, rest = self._sympy.cse(formulas, symbols=self._sympy.numbered_symbols("common"))
         return [f"{symbol} = {self._spelt(part)}" for symbol, part in common], [self._spelt(part) for part in rest]
 

@@ -1,4 +1,4 @@
-"""What moves: the record of a system."""
+"""The record of a system."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ class System:
     quantity_units: Any = None
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the HTML that notebooks show."""
         rows = {
             "for": self.kind.value,
             "state": f"of shape {self.x0.shape}" if self.x0.shape else "a number",

@@ -51,7 +51,7 @@ def _check(function: Function, force: Function, adapter: Adapter, v: Floats) -> 
             function(adapter.t0, x.copy(), v.copy(), adapter.args.copy(), given)
             expected, closer = (_differences(force, adapter, x, v, share) for share in (1.0, 0.5))
         except (ArithmeticError, ValueError):
-            return  # a velocity may lie outside of what the force is defined on
+            return  # a velocity may lie outside the domain of the force
     if not np.isfinite(expected).all():
         return
     tolerance = 1e-6 * abs(expected).max() + 10 * abs(expected - closer)

@@ -1,4 +1,4 @@
-"""The adjoint kick and drift: the rate is taken where the flow ends, which is an equation to solve.
+"""The adjoint kick and drift: the rate is evaluated at the end of the flow, which is an implicit equation.
 
 They are what is left of the implicit half of a method when the other half is explicit (Hairer, Lubich, Wanner,
 Geometric Numerical Integration, 2nd ed., section VI.3). Templates, see `kickdrift.engine.flows.implicit`.

@@ -34,7 +34,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
-    """Return what is known when a flow for a few numbers is compiled."""
+    """Return the constants with which a flow for a small state is compiled."""
     return {"COUNT": count(n, params)} if n <= FEW else {}
 
 
@@ -61,7 +61,7 @@ def factored(n: int, m: int, own: Floats) -> tuple[Floats, Floats]:
 
 @compiled(inline=True)
 def iterated(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return what is left over, the multipliers, the increment, its total, and the state reached."""
+    """Return the residual, the multipliers, the increment, its total, and the state reached."""
     left = 1 + m * n + m * m + 4 * m
     multipliers, increment = left + m, left + 2 * m
     total, reached = increment + n, increment + 2 * n
@@ -84,13 +84,13 @@ def spare(n: int, m: int, own: Floats) -> tuple[Floats, Floats, Floats]:
 
 @compiled(inline=True)
 def response_of(n: int, m: int, own: Floats) -> Floats:
-    """Return the increments to what is left over, number by number of the state."""
+    """Return the increments for a unit of each residual."""
     return part(own, 1 + 2 * m * n + 2 * m * m + 7 * m + 3 * n, n * m)
 
 
 @compiled(inline=True)
 def respond(n: int, m: int, params: Floats, own: Floats) -> None:
-    """Write the response to each number left over: -M^-1 G^T S^-1, which is quicker to apply than to solve for."""
+    """Write the response to each residual, -M^-1 G^T S^-1, which is faster to apply than to solve for."""
     rows, inverse, _, order = rows_of(n, m, own)
     _, multipliers, increment, _, _ = iterated(n, m, own)
     matrix, pivots = factored(n, m, own)
@@ -107,7 +107,7 @@ def respond(n: int, m: int, params: Floats, own: Floats) -> None:
 
 @compiled(inline=True)
 def apply(response: Floats, left: Floats, increment: Floats) -> None:
-    """Write the increment to what is left over."""
+    """Write the increment for the residual."""
     m = left.size
     for j in range(increment.size):
         increment[j] = 0.0
@@ -167,7 +167,7 @@ def factor_with(left: Floats, n: int, m: int, params: Floats, own: Floats) -> bo
 
 @compiled(inline=True)
 def factor_products(n: int, m: int, own: Floats) -> bool:
-    """Factor what S of all rows says of those with a multiplier; the others keep to themselves."""
+    """Factor the part of S, given for all rows, of those with a multiplier; the others are decoupled."""
     _, _, _, order = rows_of(n, m, own)
     _, products, _ = spare(n, m, own)
     matrix, pivots = factored(n, m, own)
@@ -193,7 +193,7 @@ def push(rows: Floats, inverse: Floats, order: Floats, multipliers: Floats, para
 
 
 def farthest(left: Floats, sums: Floats) -> float:
-    """Largest change of a number of the state that what is left over asks for; NaN where there is one."""
+    """Largest change of the state that the residual asks for; NaN if the residual contains one."""
     greatest = 0.0
     for i in range(left.size):
         size = abs(left[i]) / sums[i]

@@ -40,7 +40,7 @@ from kickdrift.engine.flows.layout import CONSTRAINT_JACOBIAN, TROUBLE, has_part
 
 Floats = NDArray[np.float64]
 _SLOW = 0.3  # a contraction slower than this is worth a new matrix
-_ROUNDED = 2.0**-53  # of the unknowns: what is left over is itself rounded by as much
+_ROUNDED = 2.0**-53  # of the unknowns: rounding of the residual itself
 
 SIZE, COUNT = 0, 0  # bound for a few numbers: of the state, and of constraints
 
@@ -58,7 +58,7 @@ project: Callable[..., bool] = unbound
 
 
 def linearise_constraints(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave the Jacobian at x and its S in memory; moves nothing."""
+    """Write the Jacobian at x and its S into memory, without moving the state."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, _, _, _ = rows_of(n, m, own)
     jacobian(t, x, v, params, work, rows)
@@ -69,7 +69,7 @@ def linearise_constraints(t: float, h: float, x: Floats, v: Floats, params: Floa
 
 
 def constrain_positions(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Bring x, which drifted by h, back to the constraints, and v with it."""
+    """Project x, which drifted by h, back onto the constraints, and correct v accordingly."""
     n = SIZE or x.size
     _, _, _, total, _ = iterated(n, COUNT or count(n, params), memory(work))
     if project(scale(largest(x), abs(h) * largest(v)), t, h, x, v, params, work):
@@ -79,7 +79,7 @@ def constrain_positions(t: float, h: float, x: Floats, v: Floats, params: Floats
 
 
 def constrain_velocities(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Bring v into the tangent space of the constraints at x, where the Jacobian in memory is from."""
+    """Project v onto the tangent space of the constraints at x, where the Jacobian in memory was evaluated."""
     n = SIZE or x.size
     _, _, _, total, _ = iterated(n, COUNT or count(n, params), memory(work))
     if project(scale(largest(v), 0.0), t, h, x, v, params, work):
@@ -87,7 +87,7 @@ def constrain_velocities(t: float, h: float, x: Floats, v: Floats, params: Float
 
 
 def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Find the total of the increments for a state of this size, or leave at TROUBLE what is left over."""
+    """Find the total of the increments for a state of this size, or write the residual to TROUBLE."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, inverse, sums, order = rows_of(n, m, own)
     left, multipliers, increment, total, _ = iterated(n, m, own)
@@ -130,7 +130,7 @@ def project_state(size: float, t: float, h: float, x: Floats, v: Floats, params:
 
 
 def positions_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave g at the positions reached."""
+    """Write g at the positions reached."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     left, _, _, total, reached = iterated(n, m, own)
     for j in range(n):
@@ -139,12 +139,12 @@ def positions_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 
 def nothing_in_excess(left: Floats, sums: Floats) -> float:
-    """Return zero: the residual of velocities is linear, so that small increments will do."""
+    """Return zero: the residual of velocities is linear, so that small increments suffice."""
     return 0.0
 
 
 def velocities_left_over(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave G times the velocities reached."""
+    """Write G times the velocities reached."""
     n, m, own = SIZE or x.size, COUNT or count(x.size, params), memory(work)
     rows, _, _, _ = rows_of(n, m, own)
     left, _, _, total, reached = iterated(n, m, own)
@@ -171,12 +171,12 @@ def renew_at_positions(t: float, x: Floats, v: Floats, params: Floats, work: Flo
 
 
 def renew_nothing(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Return False, nothing was renewed: in the velocities, the constraints are linear."""
+    """Return False, since nothing is renewed: the constraints are linear in the velocities."""
     return False
 
 
 def jacobian_here(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
-    """Write the Jacobian at x, by differences where the system has none."""
+    """Write the Jacobian at x, by finite differences if the system has none."""
     if has_part(CONSTRAINT_JACOBIAN, work):
         constraint_jacobian_at(t, x, v, params, work, out)
     else:

@@ -1,4 +1,4 @@
-"""The flows that choose the size of steps, or cut them: what the engine knows of each."""
+"""The table of flows that choose the size of steps, or cut them."""
 
 from kickdrift.core.compilation import Function
 from kickdrift.engine.flows import (

@@ -1,11 +1,10 @@
-"""Steps that are cut where a gap closes: they are rejected, and repeated up to there.
+"""Steps that are cut where a gap closes: they are rejected, and repeated up to that time.
 
-Templates, around the letters of a step: `begin_cut` keeps the state, and `end_cut` looks where the step has led. Where a gap is
-no longer positive the time at which it closes is searched by steps of other sizes from the same start, by the Illinois rule and
-halves (M. Dowell, P. Jarratt, BIT 11, 168 (1971)). There the impact happens, or the law of the force changes, and the next step
-is what is left of the first. So are steps cut in which the slip of what slides with friction turns around, as the force
-jumps there. Where impacts are not located, they happen after the step. A step that leads
-to no state is halved until it does.
+Templates, around the letters of a step: `begin_cut` keeps the state, and `end_cut` examines the result. If a gap is no longer
+positive, the time at which it closes is found by steps of other sizes from the same start, by the Illinois algorithm and
+bisection (M. Dowell, P. Jarratt, BIT 11, 168 (1971)). There the impact happens, or the force law changes, and the next step is
+the rest of the first. Steps in which sliding with friction reverses are cut as well, since the force jumps there. Impacts that
+are not located happen after the step. A step without a result is halved until it has one.
 """
 
 from collections.abc import Callable
@@ -19,6 +18,7 @@ from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
 from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CHANGES,
+    CHATTERING,
     CLOCK,
     DENSITY,
     END,
@@ -75,13 +75,13 @@ find_sides: Callable[..., None] = unbound
 FREE, SEARCHING, LAST, SHORTENED = 0.0, 1.0, 2.0, 3.0  # modes
 _MOST_ROUNDS = 200
 _ROUNDING = 2.220446049250313e-16
-_MOST_SHORT = 100.0  # cuts in a row without time between: a switch that both laws lead back to
-_SLIVER = 1e-9  # of a step: a shorter one is none
+_MOST_SHORT = 100.0  # consecutive cuts without time between: both laws lead back to the switch
+_SLIVER = 1e-9  # of a step: shorter remainders are left out
 
 
 @compiled
 def narrow(size: float, gap: float, work: Floats) -> None:
-    """Move an end of the sizes between which a gap closes, and note which ones have closed at the far one."""
+    """Narrow the bracket of step sizes between which a gap closes, and note which gaps have closed at its end."""
     own = own_params(work)
     own[MODE] = SEARCHING
     own[ROUNDS] += 1.0
@@ -100,7 +100,7 @@ def narrow(size: float, gap: float, work: Floats) -> None:
 
 @compiled
 def note_closed(least: float, work: Floats) -> None:
-    """Note what has closed or reversed where a trial has led: what is nearer than that."""
+    """Note which gaps have closed or which slips have reversed after a trial."""
     now, hit, resting = row_of(NOW, work), row_of(HIT, work), row_of(RESTING, work)
     slip, turned = row_of(SLIP, work), row_of(TURNED, work)
     for row in range(hit.size):
@@ -110,7 +110,7 @@ def note_closed(least: float, work: Floats) -> None:
 
 @compiled
 def choose_size(last: float, x: Floats, work: Floats) -> bool:
-    """Choose how long the step is to be; return whether it must be done again for that."""
+    """Choose the size of the step; return whether it must be repeated with that."""
     own, size_of_x = own_params(work), size_of(x, work)
     low, high = own[LOW], own[HIGH]
     tolerance = 4.0 * _ROUNDING * (abs(own[BEGIN]) + high)
@@ -137,7 +137,7 @@ def choose_size(last: float, x: Floats, work: Floats) -> bool:
 
 @compiled
 def something_is_hit(work: Floats) -> bool:
-    """Whether a gap has closed, and not only a slip reversed."""
+    """Whether a gap has closed, rather than only a slip reversed."""
     hit, some = row_of(HIT, work), False
     for row in range(hit.size):
         some = some or hit[row] != 0.0
@@ -146,7 +146,7 @@ def something_is_hit(work: Floats) -> bool:
 
 @compiled
 def something_rests(work: Floats) -> bool:
-    """Whether the step was led back to a surface."""
+    """Whether the step was projected back onto a surface."""
     resting, some = row_of(RESTING, work), False
     for row in range(resting.size):
         some = some or resting[row] != FLIES
@@ -155,7 +155,7 @@ def something_rests(work: Floats) -> bool:
 
 @compiled
 def closes_at_once(work: Floats) -> bool:
-    """Whether something that is hit has touched at the start, and closed: then this alone is hit."""
+    """Whether a gap that was touching at the start has closed: then only such gaps count as hit."""
     hit, opens, at_once = row_of(HIT, work), row_of(OPENS, work), False
     for row in range(hit.size):
         at_once = at_once or (hit[row] != 0.0 and opens[row] < 0.0)
@@ -166,24 +166,37 @@ def closes_at_once(work: Floats) -> bool:
 
 
 @compiled
+def count_short(crosses: bool, work: Floats) -> None:
+    """Count a cut without time before it; fail where there are too many in a row."""
+    own = own_params(work)
+    own[SHORT] += 1.0
+    if own[SHORT] > _MOST_SHORT:
+        work[TROUBLE] = CHATTERING if crosses else JAMMED
+
+
+@compiled
 def opens_no_more(touches: float, work: Floats) -> bool:
-    """Let rest what has touched at the start, and closed again within a moment, or let it pass its switch, if all have."""
+    """Let gaps come to rest, or cross their switches, that touched at the start and closed again at once, if all have."""
     hit, switch, before, side = row_of(HIT, work), row_of(SWITCH, work), row_of(BEFORE, work), row_of(SIDE, work)
     for row in range(hit.size):
         if hit[row] != 0.0 and before[row] > (0.0 if switch[row] != 0.0 else touches):
             return False
+    passes = False
     for row in range(hit.size):
         if hit[row] != 0.0 and switch[row] != 0.0:
             side[row] *= -1.0
+            passes = True
         elif hit[row] != 0.0:
             row_of(RESTING, work)[row] = RESTS
         hit[row] = 0.0
+    if passes:
+        count_short(True, work)
     return True
 
 
 @compiled
 def shorten(size: float, work: Floats) -> bool:
-    """Halve a step that leads to no state, as between points that meet head-on, unless it is none then."""
+    """Halve a step without a result, as between points that meet head-on, unless it becomes too short."""
     own = own_params(work)
     if own[MODE] not in (FREE, SHORTENED) or 0.5 * size < _SLIVER * abs(work[FIRST_STEP]):
         return False
@@ -195,7 +208,7 @@ def shorten(size: float, work: Floats) -> bool:
 
 @compiled
 def accept_cut(size: float, work: Floats) -> None:
-    """Take the step; the next is what is left of it, or a new one, but not beyond the end."""
+    """Accept the step; the next is the rest of it, or a new one, at most up to the end."""
     own, first = own_params(work), abs(work[FIRST_STEP])
     work[REJECTED], own[MODE], own[MOVED_LAST] = 0.0, FREE, 0.0
     rest, left = own[WHOLE] - size, abs(work[END] - work[CLOCK])
@@ -205,7 +218,7 @@ def accept_cut(size: float, work: Floats) -> None:
 
 
 def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Keep the state, and the gaps of a step that is new."""
+    """Keep the state, and the gaps if the step is new."""
     keep_state(t, h, x, v, params, work)
     own = own_params(work)
     show_sides(params, work)
@@ -221,7 +234,7 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 
 def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Take the step, or choose how long it is to be."""
+    """Accept the step, or choose its size for a repetition."""
     own, size, turned, gap = own_params(work), abs(work[FIRST_STEP] / work[DENSITY]), row_of(TURNED, work), 0.0
     if work[TROUBLE] != FAILED_CONTROL:
         hold_on(t, h, x, v, work)
@@ -231,7 +244,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         return
     if own[MODE] != LAST:
         gap = min(gap, least_slip(v, work))
-    cut = own[MODE] in (SEARCHING, LAST) or gap < 0.0
+    cut, crosses = own[MODE] in (SEARCHING, LAST) or gap < 0.0, False
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         if own[ROUNDS] == 0.0:
             own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work))
@@ -245,14 +258,16 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         hit, switch = row_of(HIT, work), row_of(SWITCH, work)
         for row in range(hit.size):
             if hit[row] != 0.0 and switch[row] != 0.0:
+                crosses = True
                 cross(row, t, x, v, params, work)
             if turned[row] != 0.0:
                 stop(row, t, x, v, work)
                 turned[row] = 0.0
         strike_all(t, x, v, params, work)
-        own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
-        if own[SHORT] > _MOST_SHORT:
-            work[TROUBLE] = JAMMED
+    if cut and size < _SLIVER * abs(work[FIRST_STEP]):
+        count_short(crosses, work)
+    else:
+        own[SHORT] = 0.0
     if cut or something_rests(work):
         work[CHANGES] += 1.0
     let_go(work)
@@ -260,7 +275,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
 
 
 def begin_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Make ready for a part of a step from a state: which side of each switch it is on, and what rests."""
+    """Prepare a part of a step from a state: the sides of switches, and which gaps are at rest."""
     keep_state(t, h, x, v, params, work)
     find_sides(t, h, x, v, params, work)
     settle(t, h, x, v, work)
@@ -268,7 +283,7 @@ def begin_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work
 
 
 def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """End a part of a step as steps end between impacts: what has touched at its start, and closed, rests."""
+    """End a part of a step as steps between impacts end: gaps that touched at its start and closed are at rest."""
     n, hit = x.size, row_of(HIT, work)
     assign(saved(n, FREE_X, n, work), x)
     assign(saved(n, FREE_V, v.size, work), v)

@@ -26,10 +26,10 @@ def damp(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats)
 
 @compiled
 def decay(h: float, rates: Floats, v: Floats, change: Floats) -> None:
-    """Write what v loses in h at these rates."""
+    """Write the loss of v in h at these rates."""
     rate, lost = 0.0, 0.0
     for i in range(v.size):
-        if rates[i] != rate:  # mostly all are the same: one exponential is enough
+        if rates[i] != rate:  # usually all are equal, and one exponential suffices
             rate = rates[i]
             lost = math.expm1(-h * rate)
         change[i] = lost * v[i]

@@ -34,7 +34,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def double(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Make the copies; moves nothing."""
+    """Write the copies, without moving the state."""
     x_copy, v_copy = copies(x.size, work)
     assign(x_copy, x)
     assign(v_copy, v)
@@ -59,7 +59,7 @@ def doubled_drift(t: float, h: float, x: Floats, v: Floats, params: Floats, work
 
 
 def doubled_binding(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Turn the differences between state and copies by 2 omega h, about the means."""
+    """Rotate the differences between state and copies by 2 omega h, about the means."""
     n = x.size
     x_copy, v_copy = copies(n, work)
     angle = 2.0 * work[coefficients_at(n)] * h
@@ -76,7 +76,7 @@ def doubled_binding(t: float, h: float, x: Floats, v: Floats, params: Floats, wo
 
 
 def evaluate(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave the rates of x and v in work."""
+    """Write the rates of x and v into work."""
     n = x.size
     if has_part(VELOCITY, work):
         velocity_at(t, x, v, params, work, work[3 * n : 4 * n])

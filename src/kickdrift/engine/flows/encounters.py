@@ -1,4 +1,4 @@
-"""Planets that meet: a step by Kepler problems where it is good for something, and by small steps where not.
+"""Close encounters of planets: a Wisdom-Holman step where that is accurate, otherwise smaller steps or direct integration.
 
 A template, see `kickdrift.engine.flows.kick_drift`. The step is a word of Kepler flows and kicks in Jacobi coordinates, see
 `jacobi_step`, if by what is seen at its start and at its end alike
@@ -49,7 +49,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
-    """Refuse systems that are no bodies around a heavy one.
+    """Refuse systems other than bodies around a heavy one.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def encounters(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
 
 @compiled(cached=False)
 def advance(h: float, touching: bool, count: int, bodies: Floats, given: int, work: Floats) -> tuple[float, int, int]:
-    """Advance so many bodies by h, or to where two touch; return what is left of h then, and who touches."""
+    """Advance the bodies by h, or until two touch; return the rest of h, and the two bodies."""
     n, own = 3 * count, memory(work)
     asked = part(work, coefficients_at(given), WORD + WORD_SIZE)
     vectors, room = part(own, VECTORS * given, _VECTORS * given), part(own, (VECTORS + _VECTORS) * given, ROOM * n)
@@ -111,7 +111,7 @@ def advance(h: float, touching: bool, count: int, bodies: Floats, given: int, wo
 
 @compiled(cached=False)
 def step_by_word(h: float, tolerance: float, masses: Floats, radii: Floats, asked: Floats, vectors: Floats) -> bool:
-    """Advance the relative state by the word, and return whether that was right."""
+    """Advance the relative state by the word, and return whether that was accurate."""
     bodies = masses.size - 1
     n = 3 * bodies
     x, v = part(vectors, 0, n), part(vectors, n, n)
@@ -148,7 +148,7 @@ def step_by_word(h: float, tolerance: float, masses: Floats, radii: Floats, aske
 
 @compiled(cached=False)
 def passes(x: Floats, v: Floats, masses: Floats, radii: Floats) -> bool:
-    """Whether the orbits of the bodies lead past body 0, all but those that are points."""
+    """Whether the orbits of all bodies with a radius pass body 0 without touching it."""
     for i in range(1, radii.size):
         contact = 2.0 * (radii[0] + radii[i])
         if contact > 0.0:
@@ -163,14 +163,14 @@ def passes(x: Floats, v: Floats, masses: Floats, radii: Floats) -> bool:
 
 @compiled(cached=False)
 def relate(y: Floats, into: Floats) -> None:
-    """Write what the bodies have relative to body 0."""
+    """Write positions or velocities relative to body 0."""
     for k in range(y.size):
         into[k] = y[k] - y[k % 3]
 
 
 @compiled(cached=False, fast=True)
 def energy(x: Floats, v: Floats, masses: Floats) -> float:
-    """Return G times the energy of a relative state, that of the centre of mass left out."""
+    """Return G times the energy of a relative state, without that of the centre of mass."""
     total, whole = 0.0, masses[1]
     px = py = pz = 0.0
     for i in range(1, masses.size - 1):
@@ -186,7 +186,7 @@ def energy(x: Floats, v: Floats, masses: Floats) -> float:
 
 @compiled(cached=False)
 def place(h: float, masses: Floats, x: Floats, v: Floats, near_x: Floats, near_v: Floats) -> None:
-    """Write the state after a step: the relative one, around the centre of mass, which moves straight on."""
+    """Write the state after a step: the relative state around the centre of mass, which moves uniformly."""
     whole = 0.0
     for i in range(1, masses.size):
         whole += masses[i]

@@ -1,4 +1,4 @@
-"""Steps by their error, which determines the size of the next: the estimate of a tableau, or the difference of two halves.
+"""Step control by the error of each step, from the estimate of a tableau, or from step doubling.
 
 Templates, the letters of a trial: `begin_trial`, the step, `judge_embedded`; or `begin_trial`, the step, `end_coarse`, the step
 in halves, which is what is kept, and `judge`. Errors are measured as in Hairer, Norsett, Wanner, Solving Ordinary Differential
@@ -51,7 +51,7 @@ PARAMS = 5
 RELATIVE, ORDER, GIVEN, BEGIN, BEGIN_ROUNDED_OFF = range(PARAMS)  # of the params of control
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
 _INTEGRAL, _PROPORTIONAL = 0.7, 0.4  # exponents over the order of the error
-_SPACINGS = 16.0  # of floats near the time: a shorter step is lost beside it
+_SPACINGS = 16.0  # spacings of floats at the time, which is the shortest step
 _TINY = 1e-60  # of the first step: at t = 0 floats have no spacing
 
 
@@ -63,7 +63,7 @@ def saved(n: int, index: int, size: int, work: Floats) -> Floats:
 
 @compiled(inline=True)
 def shadow(work: Floats) -> Floats:
-    """Return the copy of what flows remember."""
+    """Return the copy of the memory of the flows."""
     return part(work, int(work[SHADOW]), int(work[CONTROL] - work[SHADOW]))
 
 
@@ -78,7 +78,7 @@ def distance(a: Floats, b: Floats, absolute: Floats, relative: float) -> float:
 
 
 def choose_first_step(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Make ready: a first step that moves the state by a hundredth of its size, if none is given.
+    """Prepare the control: if no first step is given, choose one that moves the state by a hundredth of its size.
 
     Hairer, Norsett, Wanner, as above: the first two steps of the algorithm on page 169.
     """
@@ -136,7 +136,7 @@ def take_back(x: Floats, v: Floats, work: Floats) -> None:
 
 
 def end_coarse(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Keep what the whole step has given, and go back."""
+    """Keep the result of the whole step, and return to the start."""
     n = x.size
     assign(saved(n, 4, n, work), x)
     assign(saved(n, 5, v.size, work), v)
@@ -144,7 +144,7 @@ def end_coarse(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
 
 
 def judge(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Take the halves or refuse them, by how far they are from the whole step."""
+    """Accept or reject the halves by their difference from the whole step."""
     n, own = x.size, own_params(work)
     squares = distance(x, saved(n, 4, n, work), saved(n, 6, n, work), own[RELATIVE])
     squares += distance(v, saved(n, 5, v.size, work), saved(n, 7, v.size, work), own[RELATIVE])
@@ -152,7 +152,7 @@ def judge(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 
 
 def judge_embedded(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Take a Runge-Kutta step or refuse it, by the two estimates that its tableau has.
+    """Accept or reject a Runge-Kutta step by the two estimates of its tableau.
 
     The rates of its stages are where the step has left them, see `kickdrift.engine.flows.runge_kutta`.
     """
@@ -181,7 +181,7 @@ def judge_embedded(t: float, h: float, x: Floats, v: Floats, params: Floats, wor
 
 @compiled
 def decide(error: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Take a step of this error, over the tolerance, or take it back; and choose the next one, which may end at the end."""
+    """Accept or reject a step by its error over the tolerance, and choose the next size, at most up to the end."""
     order = own_params(work)[ORDER]
     size = work[FIRST_STEP] / work[DENSITY]
     exponent = 1.0 / (order + 1.0)
@@ -203,7 +203,7 @@ def decide(error: float, x: Floats, v: Floats, work: Floats) -> None:
     if abs(size) >= abs(left):
         size = left
     elif abs(size) > 0.5 * abs(left):
-        size = 0.5 * left  # two equal ones, rather than a short one at the end
+        size = 0.5 * left  # two equal steps, rather than a short one at the end
     if abs(size) < max(_SPACINGS * 2.220446049250313e-16 * abs(work[CLOCK]), _TINY * abs(work[FIRST_STEP])):
         work[TROUBLE] = FAILED_CONTROL
     else:

@@ -87,7 +87,7 @@ def take_kicks_and_drifts(t: float, h: float, x: Floats, v: Floats, params: Floa
 
 
 def half_residual(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave the residual of the adjoint kick or drift, whichever is being solved for."""
+    """Write the residual of the adjoint kick or drift, whichever is being solved for."""
     if memory(work)[solver_memory(x.size)] == 1.0:
         kick_residual(t, h, x, v, params, work)
     else:
@@ -96,7 +96,7 @@ def half_residual(t: float, h: float, x: Floats, v: Floats, params: Floats, work
 
 @compiled
 def added(y: Floats, start: Floats, residual: Floats, residual_before: Floats, into: Floats) -> None:
-    """Write what was added to y, with what the sums have rounded off."""
+    """Write the change of y, including the residuals of the sums."""
     for i in range(y.size):
         into[i] = (y[i] - start[i]) - (residual[i] - residual_before[i])
 

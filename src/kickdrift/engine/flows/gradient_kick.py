@@ -1,4 +1,4 @@
-"""A kick under a force that the gradient of its square modifies, for methods of order 4 without negative shares.
+"""A kick under a force modified by the gradient of its square, for methods of order 4 without negative coefficients.
 
 A template, see `kickdrift.engine.flows.kick_drift`.
 """

@@ -1,4 +1,4 @@
-"""Impacts: what the velocity gets where a gap closes; and how a switch is crossed.
+"""Impacts: the change of velocity where a gap closes; and the crossing of switches.
 
 Templates. Newton's law of restitution and Coulomb's of friction,
 
@@ -55,14 +55,14 @@ pull_to: Callable[..., float] = unbound
 put_back: Callable[..., None] = unbound
 strike: Callable[..., bool] = unbound
 
-REST = 1e-3  # of a step: a shorter flight is none
-_MOMENT, _DOUBLINGS = 1e-16, 24  # of a step, how short a moment may be, and how often it is doubled
-_ROUNDS = 200  # of impacts that follow from each other
-_AHEAD = 0.125  # of a step: what pulls to a surface is a second difference
+REST = 1e-3  # of a step: after shorter flights a body is at rest
+_MOMENT, _DOUBLINGS = 1e-16, 24  # the shortest time to cross a switch, in steps, and how often it is doubled
+_ROUNDS = 200  # of successive impacts at one time
+_AHEAD = 0.125  # of a step: interval of the second difference that gives the acceleration of a gap
 
 
 def move_to_surface(row: int, t: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Put what is beyond a surface back onto it, by the shortest way."""
+    """Move positions beyond a surface back onto it, by the shortest way."""
     n, slopes, inverse = x.size, gradient(0, x.size, work), inverse_masses(x.size, work)
     list_one(row, work)
     for _ in range(3):
@@ -79,7 +79,7 @@ def move_to_surface(row: int, t: float, x: Floats, v: Floats, work: Floats) -> N
 def accelerate_gap(
     row: int, speed: float, square: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats
 ) -> float:
-    """Return the second rate of a gap for what moves along its surface: by forces, and as the surface curves and moves."""
+    """Return the second derivative of a gap for motion along its surface, due to forces, curvature and the surface's motion."""
     n, slopes, inverse = x.size, gradient(0, x.size, work), inverse_masses(x.size, work)
     a, there, room = room_of_accelerations(n, work), place(n, work), room_of_gaps(n, work)
     acceleration_at(t, x, v, params, work, a)
@@ -107,7 +107,7 @@ def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
         return False
     now = row_of(NOW, work)
     if located and abs(now[row]) <= TOUCHES * size_of(x, work):
-        for i in range(n):  # or else what touches slightly beyond its surface closes by every rounding
+        for i in range(n):  # otherwise a contact slightly beyond its surface closes again by rounding
             x[i] -= now[row] * slopes[i] * inverse[i] / square
         now[row] = 0.0
     if not speed < -1e-14 * size:
@@ -127,13 +127,13 @@ def give_impulse(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
 
 @compiled
 def is_located(work: Floats) -> bool:
-    """Whether impacts happen at their moment."""
+    """Whether impacts are located in time."""
     return bool(own_params(work)[LOCATED] != 0.0)
 
 
 @compiled
 def rub(row: int, square: float, speed: float, change: float, v: Floats, work: Floats) -> None:
-    """Take from what is tangential at most friction times the `change` of the closing speed."""
+    """Reduce the tangential velocity by at most friction times the `change` of the closing speed."""
     n, friction, size = v.size, row_of(FRICTION, work)[row], int(own_params(work)[BODY_SIZE])
     if friction == 0.0:
         return
@@ -155,7 +155,7 @@ def rub(row: int, square: float, speed: float, change: float, v: Floats, work: F
 
 
 def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Bring a state that has come to a switch to its other side, by the shortest moment that floats know.
+    """Move a state at a switch to its other side, by the shortest time that floats resolve.
 
     The step before has seen one law to its end, and the next one sees the other from its start. A state that the motion does
     not bring there stays as it is: the switch itself moves on, as one of the time alone does.
@@ -190,7 +190,7 @@ def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
 
 
 def strike_rows(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Apply rebounds one after the other where bodies touch and close in, until none does."""
+    """Apply rebounds one after the other where bodies touch and approach, until none does."""
     own, now, hit, switch = own_params(work), row_of(NOW, work), row_of(HIT, work), row_of(SWITCH, work)
     touches = TOUCHES * size_of(x, work)
     for row in range(now.size):

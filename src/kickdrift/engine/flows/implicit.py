@@ -34,7 +34,7 @@ ROUNDING = 1e-12  # of an increment against the unknowns
 MOST_ITERATIONS = 50
 MOST_WITH_MATRIX = 16_384  # unknowns: 2 GiB
 _HEAD = 8
-_MANY, _RETRIED_AFTER = 32, 20  # from so many unknowns on, every so many solutions with a matrix one without is tried
+_MANY, _RETRIED_AFTER = 32, 20  # for more unknowns, one in so many solutions is tried without a matrix
 _NOT_THE_SIGN = 0x7FFF_FFFF_FFFF_FFFF
 
 residual_inside: Callable[..., None] = unbound
@@ -43,13 +43,13 @@ newton: Callable[..., bool] = unbound
 
 @compiled(inline=True)
 def padded(m: int) -> int:
-    """Round a number of numbers up to whole cache lines: vectors that lie across two are slow to read when just written."""
+    """Round a length up to whole cache lines: vectors that cross lines are slow to read when just written."""
     return (m + 7) // 8 * 8
 
 
 @compiled(inline=True)
 def solver_memory(m: int) -> int:
-    """Numbers of memory for m unknowns; those of the flow itself come after."""
+    """Numbers of memory for m unknowns; those of the flow itself follow."""
     return _HEAD + 3 * padded(m)
 
 
@@ -89,7 +89,7 @@ def patience(m: int) -> float:
 def solve(
     keeper: int, m: int, first: int, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 ) -> bool:
-    """Solve from the m unknowns in memory on; leaves them there, or the residual at TROUBLE.
+    """Solve for the m unknowns, starting from those in memory; writes the solution there, or the residual to TROUBLE.
 
     The keeper is the number of the flow, which tells whose matrix is kept; `first` unknowns have the first scale.
     """
@@ -101,7 +101,7 @@ def solve(
         if m < _MANY or work[KEPT_TIMES] % _RETRIED_AFTER != 0.0:
             return newton(keeper, False, t, h, x, v, params, work)
     z, increment, last = unknowns(m, work), increments(m, work), moves(m, work)
-    # What increments may be at most. Single ones may even grow: where eigenvalues are complex, every second one does.
+    # The allowed contraction. Single increments may even grow: with complex eigenvalues every second one does.
     slow = (1.0 - 0.7 / patience(m)) * (0.8 if kept else 1.0)  # 0.3 for a few unknowns
     missing = previous = most = least = np.inf
     stalled, patient = 0, 0
@@ -161,7 +161,7 @@ def proceed(z: Floats, increment: Floats, last: Floats) -> None:
 
 @compiled
 def retreat(z: Floats, share: float, last: Floats) -> None:
-    """Take back a share of the last move."""
+    """Undo a fraction of the last move."""
     for i in range(z.size):
         z[i] -= share * last[i]
         last[i] -= share * last[i]

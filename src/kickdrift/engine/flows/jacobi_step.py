@@ -1,4 +1,4 @@
-"""Steps of the Wisdom-Holman kind in Jacobi coordinates whose order is that of the orbits at the moment.
+"""Wisdom-Holman steps in Jacobi coordinates, with the bodies in the current order of their orbits.
 
 States here are of the bodies from 1 on, relative to body 0: positions and velocities. In Jacobi coordinates what the Kepler
 problems leave is small only as long as bodies come by their orbits' sizes, which changes where planets scatter each other.
@@ -39,7 +39,7 @@ def sort_by_orbit(x: Floats, v: Floats, masses: Floats, binding: Floats, order: 
 
 @compiled(cached=False)
 def number(order: Floats, masses: Floats, radii: Floats, numbers: Floats, sizes: Floats) -> None:
-    """Write the params of a planetary system whose bodies come in this order, and their radii."""
+    """Write the params of a planetary system with the bodies in this order, and their radii."""
     bodies = masses.size - 1
     n, total = 3 * bodies, masses[1]
     gm, share, mu = planets(n, numbers), weights(n, numbers), mus(n, numbers)
@@ -79,7 +79,7 @@ def leave(jacobi: Floats, order: Floats, numbers: Floats, into: Floats) -> None:
 def take_word(
     h: float, word: Floats, nearest: float, x: Floats, v: Floats, numbers: Floats, sizes: Floats, room: Floats
 ) -> bool:
-    """Do the letters of a word that begins with a Kepler flow, and return whether they may be right.
+    """Do the letters of a word that begins with a Kepler flow, and return whether the result may be accurate.
 
     They are not where two bodies come, from one kick to the next, further relative to each other than their distance over
     `nearest`, or one that is light beside the heaviest relative to body 0, around which its Kepler problem is not; or so close
@@ -111,7 +111,7 @@ def take_word(
 
 @compiled(cached=False, fast=True)
 def resolved(h: float, nearest: float, numbers: Floats, sizes: Floats, before: Floats, after: Floats) -> bool:
-    """Whether pairs of bodies, of body 0 with light ones alone, are as far apart as that, at two kicks of a step of h."""
+    """Whether pairs of bodies (with body 0 only light ones) are that far apart at two kicks of a step h."""
     light = 0.0
     for i in range(1, after.size // 3):
         light = max(light, _LIGHT * numbers[2 + i])

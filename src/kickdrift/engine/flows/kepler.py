@@ -1,4 +1,4 @@
-"""The flow of Kepler's problem, x'' = -mu x / |x|^3, which is exact for every orbit and any step, and the jump.
+"""The flow of Kepler's problem, x'' = -mu x / |x|^3, exact for every orbit and any step, and the jump.
 
 Templates, see `kickdrift.engine.flows.kick_drift`. The state is bodies in space, or one body in the plane, and the last
 params are mu for each of them; mu = 0 is free motion.
@@ -69,7 +69,7 @@ def kepler(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Float
 
 
 def jump(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x by h at the rate that is left to the kicks of a split, which leaves their acceleration as it is."""
+    """Advance x by h at the rate that a split assigns to the kicks; their acceleration does not change."""
     rate = work[3 * x.size : 4 * x.size]
     jump_at(t, x, v, params, work, rate)
     add_to_x(x, h, rate, work)
@@ -77,13 +77,13 @@ def jump(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats)
 
 @compiled(inline=True)
 def stiefel_functions(beta: float, X: float) -> tuple[float, float, float, float]:
-    """Return G_0 to G_3 of X: series for a part of it, doubled until it is the whole, at least once.
+    """Return G_0 to G_3 of X: by series for a fraction of X, doubled until it is X, at least once.
 
     The constants of the series have errors of rounding that are the same in every step. Doubled, they hardly matter to
     G_1^2 = G_2 (2 - beta G_2), which is what energy and angular momentum hang on.
     """
     y, doublings = 0.5 * X, 1
-    while abs(beta * y * y) > _SMALL and abs(y) < math.inf:  # half of infinity is no less
+    while abs(beta * y * y) > _SMALL and abs(y) < math.inf:  # halving infinity would never end
         y, doublings = 0.5 * y, doublings + 1
     z = beta * y * y
     zz = z * z
@@ -102,7 +102,7 @@ def stiefel_functions(beta: float, X: float) -> tuple[float, float, float, float
 
 @compiled(inline=True)
 def gauss_functions(mu: float, h: float, r0: float, eta: float, v2: float) -> tuple[float, float, float, float, float]:
-    """Return f, g, f', g', and zero if all went well.
+    """Return f, g, f', g', and zero unless the solution failed.
 
     X is close to the solution when what Newton's method adds to it is small on the length over which r changes. Then
     the correction, and what it does to the G_n, follow from their Taylor series: a step that is short for the orbit
@@ -150,7 +150,7 @@ def gauss_functions(mu: float, h: float, r0: float, eta: float, v2: float) -> tu
     g1 += g0 * d1 - beta * g1 * d2
     r = r0 + eta * g1 + zeta * g2
     if not r > _LEAST_DISTANCE * (r0 + abs(eta * g1) + abs(zeta * g2)):
-        trouble = 1.0  # a collision: what is left of r is rounding
+        trouble = 1.0  # a collision: r is lost to rounding
     rate = -mu / r
     f, g = -mu * inverse_r0 * g2, r0 * g1 + eta * g2
     return f, forwards * g, forwards * rate * inverse_r0 * g1, rate * g2, trouble
@@ -180,7 +180,7 @@ def first_guess(
 
 @compiled(inline=True)
 def next_guess(X: float, left: float, r: float, slope: float, low: float, high: float, iteration: int) -> float:
-    """Return X after a step of Laguerre's method, or half the way where that leads out or takes long."""
+    """Return X after a step of Laguerre's method, or of bisection if that leaves the bracket or converges slowly."""
     root = math.sqrt(abs(16.0 * r * r - 20.0 * left * slope))
     if r + root > 0.0 and iteration < _BISECT_AFTER:
         closer = X - 5.0 * left / (r + root)

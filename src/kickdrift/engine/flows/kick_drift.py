@@ -30,7 +30,7 @@ def kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats)
 
 
 def kick_small(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Do the same for a state of SIZE numbers, a constant of the compilation.
+    """Do the same as `kick` for a state of SIZE numbers, known at compile time.
 
     The accelerations pass in registers: through memory, where v could overlap them as far as the compiler knows, a step
     of the Kepler problem takes 24 ns instead of 21.
@@ -43,12 +43,12 @@ def kick_small(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
 
 
 def rekick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance v by h under the acceleration that the last kick left in work: x and t have not moved since."""
+    """Advance v by h under the acceleration that the last kick wrote to work: x and t have not changed since."""
     add_to_v(v, h, work[: x.size], work)
 
 
 def accelerate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave the acceleration at (t, x, v) in work for `rekick`; moves nothing."""
+    """Write the acceleration at (t, x, v) to work for `rekick`, without moving the state."""
     acceleration_at(t, x, v, params, work, work[: x.size])
 
 
@@ -58,7 +58,7 @@ def drift(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 
 
 def drift_along(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x by h at the rate that the system gives at (t, x, v)."""
+    """Advance x by h at the system's rate at (t, x, v)."""
     rate = work[3 * x.size : 4 * x.size]
     velocity_at(t, x, v, params, work, rate)
     add_to_x(x, h, rate, work)

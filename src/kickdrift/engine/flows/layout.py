@@ -1,4 +1,4 @@
-"""Where flows keep numbers between calls: the layout of ``work``.
+"""The layout of ``work``, in which flows keep numbers between calls.
 
 For a state of n numbers::
 
@@ -58,37 +58,37 @@ TAIL = 32
 TROUBLE = -1  # residual of a solve that failed, zero if none
 EVALUATIONS = -2  # force evaluations counted by flows whose number varies
 MEMORY = -3  # where memory starts
-KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step that the matrix kept in memory belongs to, zero if none is kept
+KEPT_BY, KEPT_FOR = -4, -5  # the flow and the step of the matrix kept in memory, zero if none is kept
 DRAWN = -6  # random numbers drawn so far
-FORMED = -7  # how often a matrix was formed
-KEPT_TIMES = -8  # how many solutions began with a matrix that was kept
-# Of steps whose size varies:
-CLOCK, ROUNDED_OFF = -9, -10  # the time, and what its sum has rounded off
+FORMED = -7  # number of matrices formed
+KEPT_TIMES = -8  # number of solutions that began with a kept matrix
+# For variable steps:
+CLOCK, ROUNDED_OFF = -9, -10  # the time, and the residual of its sum
 CLOCK_OF_V = -11  # the time that moves with v
 DENSITY = -12  # steps in the time that the first one takes
-START_DENSITY = -13  # what a function gives as the density of the first
+START_DENSITY = -13  # value of the density function at the start
 DENSITY_RATE = -14  # the rate of its logarithm at the end of the last step
-FIRST_STEP = -15  # with its sign
-END = -16  # the time to end at
+FIRST_STEP = -15  # signed
+END = -16  # the final time
 REJECTED = -17  # whether the last step was rejected
 LAST_ERROR = -18  # of the last step accepted, over the tolerance
 BINDING = -19  # minus the energy at the start
-CONTROL, OWN_PARAMS = -20, -21  # where the memory of the control of steps starts, and the params of its function in it
-OWN_COUNT = -22  # how many params those are
-DEAR = -23  # force evaluations in one of the density
-DENSITY_ROUNDED_OFF = -26  # of the sum that the density is
-SHADOW = -28  # where the copy of the memory of the flows starts, of steps that may be rejected
-TAKEN_BACK = -29  # steps that a flow has rejected itself
-DENSITY_HERE = -27  # what the function gives as the density after the last step
+CONTROL, OWN_PARAMS = -20, -21  # start of the memory of step control, and of the params of its function
+OWN_COUNT = -22  # number of these params
+DEAR = -23  # force evaluations of one evaluation of the density
+DENSITY_ROUNDED_OFF = -26  # residual of the density's sum
+SHADOW = -28  # start of the copy of the memory of the flows, for steps that may be rejected
+TAKEN_BACK = -29  # number of steps rejected by a flow itself
+DENSITY_HERE = -27  # value of the density function after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
-CHANGES = -30  # of the state or the force between steps, after which forces that flows keep are those of before
-FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0
-"""Residuals where no size of the step will do: in general; and of impacts, see `kickdrift.core.outcomes`."""
-_SCRATCH = -1  # of the words in front of work
+CHANGES = -30  # number of changes of the state or the force between steps, which invalidate forces kept by flows
+FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP, CHATTERING = -1.0, -2.0, -3.0, -4.0, -5.0, -6.0
+"""Residuals that mean that no step size works: in general; and of impacts, see `kickdrift.core.outcomes`."""
+_SCRATCH = -1  # index among the words before work
 _LINE = 8  # numbers in a cache line
 _WORDS = (1 + len(PARTS) + _LINE - 1) // _LINE * _LINE  # in front of work: whole cache lines
 
-FEW = 4  # numbers of a state up to which flows with constants are compiled for each size of its own
+FEW = 4  # size of a state up to which flows with constants are compiled for each size
 
 SLOT = 0  # bound by `part_by_address`
 function: Function = unbound  # bound by `part_inlined`
@@ -116,54 +116,54 @@ scratch_by_address = compiled(cached=False, inline=True)(_scratch_at)
 
 
 def scratch_interpreted(scratch: Floats) -> Function:
-    """Make the same for the interpreter."""
+    """Return the same function for the interpreter."""
     return lambda start, size, work: scratch[start : start + size]
 
 
 @compiled(inline=True)
 def coefficients_at(n: int) -> int:
-    """Return the index in work where the coefficients of the method start."""
+    """Return the index of the method's coefficients in work."""
     return 4 * n
 
 
 @compiled(inline=True)
 def change_of_v(n: int, work: Floats) -> Floats:
-    """Return the part of work in which a flow may prepare what it adds to v, in systems where x' is v."""
+    """Return the part of work in which a flow may prepare the change of v, in systems where x' is v."""
     return part(work, 3 * n, n)
 
 
 @compiled(inline=True)
 def memory(work: Floats) -> Floats:
-    """Return the part of work that is for the flows of the step."""
+    """Return the part of work that is the memory of the flows of the step."""
     start = int(work[MEMORY])
     return part(work, start, work.size - TAIL - start)
 
 
 @compiled(inline=True)
 def estimated_errors(n: int, work: Floats) -> Floats:
-    """Return the largest error that a step has been estimated to have, of each number of x."""
+    """Return the largest estimated error of any step, for each component of x."""
     return part(work, work.size - TAIL - n, n)
 
 
 CONTROL_VECTORS = 8
-"""How many vectors of n numbers the control of steps has as memory."""
+"""Number of vectors of n numbers in the memory of step control."""
 
 
 @compiled(inline=True)
 def control_memory(n: int, work: Floats) -> Floats:
-    """Return the part of work that is for the control of steps, `CONTROL_VECTORS` of n numbers."""
+    """Return the part of work that is the memory of step control, `CONTROL_VECTORS` of n numbers."""
     return part(work, int(work[CONTROL]), CONTROL_VECTORS * n)
 
 
 @compiled(inline=True)
 def own_params(work: Floats) -> Floats:
-    """Return the params of the function that controls the steps."""
+    """Return the params of the function of step control."""
     return part(work, int(work[OWN_PARAMS]), int(work[OWN_COUNT]))
 
 
 @compiled(inline=True)
 def move_clock(h: float, work: Floats) -> None:
-    """Add to the time, and keep what the sum rounds off."""
+    """Advance the time, with a compensated sum."""
     increment = h - work[ROUNDED_OFF]
     total = work[CLOCK] + increment
     work[ROUNDED_OFF] = (total - work[CLOCK]) - increment
@@ -181,21 +181,21 @@ def at_end(work: Floats) -> bool:
 
 
 def aligned(size: int) -> NDArray[np.int64]:
-    """Return machine words of zeros that begin with a cache line."""
+    """Return zero words aligned to a cache line."""
     room = np.zeros(size + _LINE - 1, dtype=np.int64)
     start = -(room.ctypes.data // 8) % _LINE
     return room[start : start + size]
 
 
 def aligned_copy(values: Floats) -> Floats:
-    """Return numbers in a row that begins with a cache line: four that lie across two take twice as long."""
+    """Return numbers aligned to a cache line: vectors that cross two lines take twice as long."""
     copy = aligned(values.size).view(np.float64)
     copy[:] = values.reshape(-1)
     return copy
 
 
 def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats) -> Floats:
-    """Make the work of a run: coefficients and addresses filled in, the rest zero."""
+    """Create the work of a run, with coefficients and addresses, and zeros elsewhere."""
     end = coefficients_at(n) + coefficients.size
     start = (end + _LINE - 1) // _LINE * _LINE
     room = aligned(_WORDS + start + memory_size + TAIL)
@@ -223,7 +223,7 @@ def has_part(slot: int, work: Floats) -> bool:
 
 
 def has_part_interpreted(functions: Mapping[str, Function]) -> Function:
-    """Make the same for the interpreter, where the functions are known."""
+    """Return the same function for the interpreter, where the functions are known."""
     slots = {_slot(name) for name in functions}
     return lambda slot, work: slot in slots
 
@@ -238,17 +238,17 @@ def _inlined_at(t: float, x: Floats, v: Floats, params: Floats, work: Floats, ou
 
 @cache
 def part_by_address(name: str) -> Function:
-    """Make the compiled function that calls a part of whatever system runs, by its address in work."""
+    """Return a compiled function that calls a part of any system by its address in work."""
     return compiled(cached=False, inline=True)(specialise(_at, f"{name}_at", SLOT=_slot(name)))
 
 
 def part_inlined(name: str, function: Function) -> Function:
-    """Make the same for one system, whose function is compiled into it."""
+    """Return the same function for one system, with its part inlined."""
     return compiled(cached=False, inline=True)(specialise(_inlined_at, f"{name}_at", function=function))
 
 
 def part_interpreted(function: Function) -> Function:
-    """Make the same for the interpreter, where the function is known."""
+    """Return the same function for the interpreter, where the part is known."""
 
     def at(t: float, x: Any, v: Any, params: Any, work: Any, out: Any) -> None:
         function(t, x, v, params, out)

@@ -42,7 +42,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def scratch_size(n: int, coefficients: Floats, params: Floats) -> int:
-    """Numbers of scratch for a state of n numbers, of which there may be too many for a matrix."""
+    """Numbers of scratch for a state of n numbers; ArgumentError if the matrix would be too large."""
     if n > MOST_WITH_MATRIX:
         raise ArgumentError(
             f"x0 has {n} numbers, and kicks that are implicit in the velocity need a matrix of that size squared,"
@@ -58,7 +58,7 @@ def linearly_implicit_kick(t: float, h: float, x: Floats, v: Floats, params: Flo
     matrix, pivots, u = scratch(0, n * n, work), scratch(n * n, n, work), change_of_v(n, work)
     acceleration_at(t, x, v, params, work, work[:n])
     work[EVALUATIONS] += 1.0
-    work[KEPT_BY] = 0.0  # a matrix that another flow keeps is overwritten
+    work[KEPT_BY] = 0.0  # the matrix kept by another flow is overwritten
     if has_part(VELOCITY_JACOBIAN, work):
         velocity_jacobian_at(t, x, v, params, work, matrix)
     else:
@@ -75,7 +75,7 @@ def linearly_implicit_kick(t: float, h: float, x: Floats, v: Floats, params: Flo
 
 
 def form_velocity_jacobian(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Form da/dv by forward differences, one evaluation a column, beside the acceleration in work."""
+    """Form da/dv by forward differences from the acceleration in work, with one evaluation a column."""
     n, matrix = x.size, scratch(0, x.size * x.size, work)
     a, displaced_a, displaced = part(work, 0, n), change_of_v(n, work), part(memory(work), 0, n)
     size = scale(largest(v), abs(h) * largest(a))

@@ -1,4 +1,4 @@
-"""The flows of a magnetic field, v' = (q/m) v x B(t, x): v turns about B, at a standing x.
+"""The flows of a magnetic field, v' = (q/m) v x B(t, x): v rotates about B at constant x.
 
 Templates, see `kickdrift.engine.flows.kick_drift`. The system's part ``magnetic_field`` is w = (q/m) B, and v turns by
 the angle -|w| h about it.
@@ -20,7 +20,7 @@ add_to_v: Callable[..., None] = unbound
 
 
 def rotate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Turn v by the exact angle."""
+    """Rotate v by the exact angle."""
     change = change_of_v(v.size, work)
     magnetic_field_at(t, x, v, params, work, change)
     turn(h, v, change)
@@ -28,7 +28,7 @@ def rotate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Float
 
 
 def boris_rotate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Turn v by 2 atan(|w| h / 2), which needs no trigonometry."""
+    """Rotate v by 2 atan(|w| h / 2), which needs no trigonometric functions."""
     change = change_of_v(v.size, work)
     magnetic_field_at(t, x, v, params, work, change)
     boris_turn(h, v, change)
@@ -37,7 +37,7 @@ def boris_rotate(t: float, h: float, x: Floats, v: Floats, params: Floats, work:
 
 @compiled
 def turn(h: float, v: Floats, change: Floats) -> None:
-    """Overwrite w, in `change`, with what v changes by in h.
+    """Overwrite w, in `change`, with the change of v in h.
 
     Rodrigues' formula: sin(a) (v x u) + (1 - cos(a)) ((v x u) x u) for the angle a = |w| h and the axis u = w / |w|.
     """
@@ -52,7 +52,7 @@ def turn(h: float, v: Floats, change: Floats) -> None:
 
 @compiled
 def boris_turn(h: float, v: Floats, change: Floats) -> None:
-    """Overwrite w, in `change`, with what v changes by in Boris' step, (v + v x w h/2) x w h / (1 + |w h/2|^2)."""
+    """Overwrite w, in `change`, with the change of v in Boris' step, (v + v x w h/2) x w h / (1 + |w h/2|^2)."""
     for i in range(0, v.size, 3):
         weight = h / (1.0 + 0.25 * h * h * _square(i, change))
         _rotated(i, v, change, weight, 0.5 * h * weight)

@@ -1,4 +1,4 @@
-"""Bodies that merge where they touch, and are in one place with one velocity from then on.
+"""Bodies that merge on contact, and have one position and one velocity from then on.
 
 So the state keeps its shape, masses stay with those who have them, and momentum and centre of mass are what they were. That
 bodies are one is seen by that they are in one place. A merged body is as large as their volumes together.
@@ -21,9 +21,9 @@ from kickdrift.core.views import part
 Floats = NDArray[np.float64]
 
 VECTORS = 4
-_ALMOST = 1.1  # of the distance at contact: as exact as the shortest distance within a step is guessed
-_AT_ONCE = 0.01  # of a step: within it the shortest distance is that at its start, which has been looked at
-_SAME = 1e-12  # of the distance at contact: two contacts that near are one
+_ALMOST = 1.1  # of the distance at contact: accuracy of the estimate of the shortest distance within a step
+_AT_ONCE = 0.01  # of a step, within which the shortest distance is that at its start, checked already
+_SAME = 1e-12  # of the distance at contact: contacts closer than this are one
 _BISECTIONS = 40
 
 
@@ -47,7 +47,7 @@ def radii_of(bodies: Floats, n: int, count: int) -> Floats:
 
 @compiled(cached=False)
 def put_together(x: Floats, v: Floats, params: Floats, bodies: Floats) -> int:
-    """Find out which of the bodies given are one, and return how many there are then."""
+    """Determine which of the given bodies have merged, and return the number that remains."""
     n, count = x.size, 0
     given = n // 3
     touching = params.size > 2 + 4 * given
@@ -82,7 +82,7 @@ def take_apart(bodies: Floats, x: Floats, v: Floats) -> None:
 
 @compiled(cached=False)
 def merge(one: int, other: int, bodies: Floats, n: int, count: int) -> None:
-    """Put two bodies at their centre of mass, with its velocity."""
+    """Move two bodies to their centre of mass, with its velocity."""
     x, v, masses = whole(bodies, 0, n), whole(bodies, 1, n), masses_of(bodies, n, count)
     total = masses[1 + one] + masses[1 + other]
     share = masses[1 + other] / total if total > 0.0 else 0.5
@@ -94,7 +94,7 @@ def merge(one: int, other: int, bodies: Floats, n: int, count: int) -> None:
 
 @compiled(cached=False)
 def find_contact(h: float, radii: Floats, x: Floats, v: Floats, new_x: Floats, new_v: Floats) -> tuple[float, int, int]:
-    """Return the share of a step in which two bodies touch or almost do, where none do 2; and these two.
+    """Return the fraction of a step after which two bodies touch, or almost do, 2 if none do; and the two bodies.
 
     It is that of the shortest distance, by the cubic through positions and velocities at both ends, or 1.
     """
@@ -124,7 +124,7 @@ def find_contact(h: float, radii: Floats, x: Floats, v: Floats, new_x: Floats, n
 def shortest_distance(
     h: float, i: int, j: int, x: Floats, v: Floats, new_x: Floats, new_v: Floats
 ) -> tuple[float, float]:
-    """Return the shortest distance of two bodies within a step that they come nearer and part again in, and its share."""
+    """Return the shortest distance of two bodies that approach and separate within a step, and its fraction of the step."""
     low, high, distance = 0.0, 1.0, 0.0
     for _ in range(_BISECTIONS):
         s = 0.5 * (low + high)
@@ -145,7 +145,7 @@ def shortest_distance(
 
 @compiled(cached=False, inline=True)
 def gap(radii: Floats, i: int, j: int, x: Floats) -> float:
-    """Return how far two bodies are from touching."""
+    """Return the gap between two bodies."""
     d2 = 0.0
     for k in range(3):
         d2 += (x[3 * i + k] - x[3 * j + k]) ** 2
@@ -154,7 +154,7 @@ def gap(radii: Floats, i: int, j: int, x: Floats) -> float:
 
 @compiled(cached=False)
 def deepest(radii: Floats, one: int, other: int, x: Floats, new_x: Floats) -> tuple[int, int]:
-    """Return who has come to overlap most within a step, but for two that touch at its end; -1 for none."""
+    """Return the bodies that overlap most within a step, apart from two that touch at its end; -1 for none."""
     most, first, second = -_SAME * (radii[one] + radii[other]), -1, -1
     for i in range(1, radii.size):
         for j in range(i):

@@ -34,7 +34,7 @@ scratch: Callable[..., Floats] = unbound
 
 
 def newton(keeper: int, forming: bool, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Solve from the unknowns in memory on, with the matrix kept or, `forming`, a new one to begin with.
+    """Solve from the unknowns in memory on, with the kept matrix or, if `forming`, first a new one.
 
     Leaves the solution, or the residual at TROUBLE.
     """
@@ -74,14 +74,14 @@ def newton(keeper: int, forming: bool, t: float, h: float, x: Floats, v: Floats,
         elif not moved:
             break
         else:
-            # A step of Newton's was too long, and half of it may do. Any other wants a matrix from where it began.
+            # If Newton's first step was too long, half of it may suffice. Otherwise form the matrix at the start again.
             retreat(z, 0.5 if halving else 1.0, last)
             forming = not halving
     return rounding or failed(missing, work)
 
 
 def form_matrix_by_differences(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Form and factor I - dPhi/dz at z by forward differences, one residual a column; leaves the increments."""
+    """Form and factor I - dPhi/dz at z by forward differences, with one residual a column; overwrites the increments."""
     head = memory(work)
     m, first = int(head[0]), int(head[1])
     z, increment, base = unknowns(m, work), increments(m, work), moves(m, work)

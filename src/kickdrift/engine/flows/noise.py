@@ -36,7 +36,7 @@ def noise(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 
 
 def draw(params: Floats, work: Floats, out: Floats) -> None:
-    """Write the next draw of normal numbers: a part of the flows, which is compiled into them."""
+    """Write the next normal random numbers: a part of the flows, inlined into them."""
     low, high = np.uint64(params[params.size - 2]), np.uint64(params[params.size - 1])
     fill_normal(low | (high << np.uint64(32)), np.uint64(work[DRAWN]), out)
     work[DRAWN] += 1.0
@@ -44,12 +44,12 @@ def draw(params: Floats, work: Floats, out: Floats) -> None:
 
 @compiled
 def relax(h: float, params: Floats, v: Floats, change: Floats) -> None:
-    """Overwrite normal numbers with what v changes by in h under friction and noise."""
+    """Overwrite normal random numbers with the change of v in h under friction and noise."""
     n = v.size
     frictions, variances = params[params.size - 2 - 2 * n :], params[params.size - 2 - n :]
     friction, lost, spread = 0.0, 0.0, 0.0
     for i in range(n):
-        if frictions[i] != friction:  # mostly all are the same: one exponential is enough
+        if frictions[i] != friction:  # usually all are equal, and one exponential suffices
             friction = frictions[i]
             lost = math.expm1(-h * friction)
             spread = math.sqrt(-math.expm1(-2.0 * h * friction))
@@ -58,7 +58,7 @@ def relax(h: float, params: Floats, v: Floats, change: Floats) -> None:
 
 @compiled
 def shake(h: float, params: Floats, change: Floats) -> None:
-    """Overwrite normal numbers with what v changes by in h under noise alone."""
+    """Overwrite normal random numbers with the change of v in h under noise alone."""
     n = change.size
     frictions, variances = params[params.size - 2 - 2 * n :], params[params.size - 2 - n :]
     for i in range(n):

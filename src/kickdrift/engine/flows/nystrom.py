@@ -1,4 +1,4 @@
-"""Gravity integrated to an error wanted, by the Runge-Kutta-Nystroem method of order 12 with an estimate of order 10.
+"""Gravity integrated to a tolerance, by the Runge-Kutta-Nystroem method of order 12 with an estimate of order 10.
 
 The step is a share of the time scale of the fastest pair, tau^-2 = max (Gm / d^3 + u^2 / d^2), and the estimated error moves
 that share, which varies much less than the time scale does. Errors of pairs are measured by their distances.
@@ -30,7 +30,7 @@ _LINE = 8  # numbers
 _X, _V, _ERROR, _ERROR_OF_V = range(STAGES, STAGES + 4)  # of the sums, after those of the stages
 _SUMS = -(-(STAGES + 4) // _LINE) * _LINE
 ROOM = _SUMS + 6
-"""How many numbers of room there are to a number of the state."""
+"""Numbers of room for each component of the state."""
 
 _NODES = DORMAND_12.c
 _TABLE = np.zeros((STAGES, _SUMS))
@@ -41,8 +41,8 @@ _TABLE[:, [_X, _V, _ERROR, _ERROR_OF_V]] = np.transpose(
 _WEIGHTS = _TABLE.ravel()
 _EXPONENT = -1.0 / (DORMAND_12.error_order + 1)
 _SAFETY, _LEAST, _MOST = 0.85, 0.2, 4.0
-_FIRST = 0.5  # share of the time scale: errors of 1e-10, more or less
-_SHORTEST = 1e-13  # of the whole: two bodies in one place
+_FIRST = 0.5  # fraction of the time scale: errors of about 1e-10
+_SHORTEST = 1e-13  # of the whole step: two bodies are at one place
 _MOST_TRIES = 60
 
 
@@ -56,7 +56,7 @@ def vector(room: Floats, index: int, n: int) -> Floats:
 def integrate(
     h: float, tolerance: float, masses: Floats, radii: Floats, touching: bool, room: Floats
 ) -> tuple[int, float, int, int]:
-    """Advance the position and velocity of the room by h, or to where two bodies touch.
+    """Advance position and velocity in the room by h, or until two bodies touch.
 
     Parameters
     ----------
@@ -68,11 +68,11 @@ def integrate(
     Returns
     -------
     steps : int
-        How many were tried.
+        Number of steps tried.
     left : float
-        What is left of h: nothing, or what follows a contact, or a step that is too long however short it is.
+        The rest of h: 0, or the time after a contact, or after a step that fails at any size.
     one, other : int
-        Who touches, -1 for none.
+        The bodies that touch, -1 for none.
     """
     n = 3 * (masses.size - 1)
     x, v, new_x, new_v = vector(room, 0, n), vector(room, 1, n), vector(room, 2, n), vector(room, 3, n)
@@ -112,16 +112,16 @@ def integrate(
 
 @compiled(cached=False)
 def step_to_contact(h: float, masses: Floats, radii: Floats, room: Floats) -> tuple[float, int, int, int]:
-    """Repeat a step up to where two bodies touch.
+    """Repeat a step up to the contact of two bodies.
 
     Returns
     -------
     size : float
-        Of the step, the same if none come near each other.
+        The size of the step, unchanged if none come close.
     steps : int
-        How many were tried.
+        Number of steps tried.
     one, other : int
-        Who touches, -1 for none.
+        The bodies that touch, -1 for none.
     """
     n = 3 * (masses.size - 1)
     x, v, new_x, new_v = vector(room, 0, n), vector(room, 1, n), vector(room, 2, n), vector(room, 3, n)
@@ -133,14 +133,14 @@ def step_to_contact(h: float, masses: Floats, radii: Floats, room: Floats) -> tu
         take_step(share * h, masses, room)
         steps = 1
     if gap(radii, one, other, new_x) > 0.0:
-        return abs(share * h), steps, -1, -1  # the shortest distance, and it is none
+        return abs(share * h), steps, -1, -1  # the shortest distance, without contact
     found, earlier = one, other
     while found >= 0:
         one, other, low = found, earlier, 0.0
         apart, through = max(gap(radii, one, other, x), 0.0), gap(radii, one, other, new_x)
         while steps < _MOST_TRIES and high - low > _SHORTEST and through < -_SHORTEST * radii[one]:
             middle = 0.5 * (low + high)
-            if steps % 3 != 2:  # regula falsi, of Illinois
+            if steps % 3 != 2:  # the Illinois algorithm
                 middle = (low * through - high * apart) / (through - apart)
             take_step(middle * h, masses, room)
             steps += 1
@@ -157,7 +157,7 @@ def step_to_contact(h: float, masses: Floats, radii: Floats, room: Floats) -> tu
 
 @compiled(cached=False, fast=True)
 def time_scale(x: Floats, v: Floats, masses: Floats) -> float:
-    """Return the time in which the fastest pair turns."""
+    """Return the time scale of the fastest pair."""
     fastest = 0.0
     for i in range(1, masses.size - 1):
         for j in range(i):
@@ -171,7 +171,7 @@ def time_scale(x: Floats, v: Floats, masses: Floats) -> float:
 
 @compiled(cached=False, fast=True)
 def take_step(h: float, masses: Floats, room: Floats) -> None:
-    """Do a step, and leave what it gives beside where it began."""
+    """Do a step, and write the result beside the initial state."""
     n, h2 = 3 * (masses.size - 1), h * h
     x, v, new_x, new_v = vector(room, 0, n), vector(room, 1, n), vector(room, 2, n), vector(room, 3, n)
     stage, rate = vector(room, 4, n), vector(room, 5, n)
@@ -194,7 +194,7 @@ def take_step(h: float, masses: Floats, room: Floats) -> None:
 
 @compiled(cached=False, fast=True)
 def largest_error(h: float, x: Floats, masses: Floats, room: Floats) -> float:
-    """Return the largest estimated error of the distance of two bodies, over that distance."""
+    """Return the largest estimated error of a distance between two bodies, relative to it."""
     worst = 0.0
     for i in range(1, masses.size - 1):
         for j in range(i):
@@ -205,5 +205,5 @@ def largest_error(h: float, x: Floats, masses: Floats, room: Floats) -> float:
                 e2 += (room[other + _ERROR] - room[one + _ERROR]) ** 2
                 e2 += (room[other + _ERROR_OF_V] - room[one + _ERROR_OF_V]) ** 2
             if not e2 <= worst * d2:
-                worst = e2 / d2  # or no number
+                worst = e2 / d2  # or NaN
     return h * h * math.sqrt(worst)

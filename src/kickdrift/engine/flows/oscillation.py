@@ -1,4 +1,4 @@
-"""The flow of x'' = -omega^2 x, which is exact, and kicks by what else there is, filtered.
+"""The exact flow of x'' = -omega^2 x, and kicks by filtered remaining forces.
 
 Templates, see `kickdrift.engine.flows.kick_drift`. The angular frequencies are the last params. With xi = h omega, and h
 the step of which a filtered kick does half, the kick is
@@ -40,7 +40,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def oscillate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Turn x and v by the angle h omega."""
+    """Rotate x and v by the angle h omega."""
     n, own = x.size, memory(work)
     change, of_v = part(own, _HEAD, n), change_of_v(n, work)
     turn(h, part(params, params.size - n, n), x, v, change, of_v)
@@ -50,7 +50,7 @@ def oscillate(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
 
 
 def filtered_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance v by h under the filtered acceleration, evaluated if x has moved."""
+    """Advance v by h under the filtered acceleration, evaluated if x has changed."""
     n, own = x.size, memory(work)
     a, filtered = part(work, 0, n), part(own, _HEAD, n)
     if own[0] != h or own[1] != work[CHANGES]:
@@ -66,10 +66,10 @@ def filtered_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work
 
 @compiled
 def turn(h: float, omega: Floats, x: Floats, v: Floats, change: Floats, change_of_velocity: Floats) -> None:
-    """Write what x and v change by in h."""
+    """Write the changes of x and v in h."""
     of, less, sine = 0.0, 0.0, h
     for k in range(x.size):
-        if omega[k] != of:  # mostly there are few: what is known of the last one serves
+        if omega[k] != of:  # usually there are few frequencies: use the values of the last one
             of, half = omega[k], math.sin(0.5 * h * omega[k])
             less, sine = -2.0 * half * half, h * sinc(h * of)
         change[k] = less * x[k] + sine * v[k]

@@ -1,4 +1,4 @@
-"""Gaps without a sign, such as abs(x) or x**2, through which bodies would pass unseen.
+"""Detection of gaps without a sign, such as abs(x) or x**2, through which bodies would pass unnoticed.
 
 Templates. A gap that is positive at both ends of a step, and that grew at its end as if it had come from below zero, is
 looked at along the step. Where it comes to zero there, and is negative nowhere around, it has no side that is beyond it.
@@ -39,19 +39,19 @@ has_no_other_side: Callable[..., bool] = unbound
 
 _MOMENT = 1e-6  # of a step, by which the rate of a gap at its end is a difference
 _ZERO = 1e-6  # of a gap at the ends of a step
-_THIRDS = 100  # that are left out until no floats are left between
+_THIRDS = 100  # iterations of ternary search, until no floats are left between
 
 
 @compiled
 def may_pass(row: int, touches: float, work: Floats) -> bool:
-    """Whether a gap of impacts was open at the start of a step, and is at its end."""
+    """Whether a gap of impacts was open at the start of a step, and is open at its end."""
     before, now = row_of(BEFORE, work)[row], row_of(NOW, work)[row]
     flies = row_of(RESTING, work)[row] == FLIES and row_of(SWITCH, work)[row] == 0.0
     return bool(flies and before > touches and now > touches)
 
 
 def look_for_unsigned(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Fail where a body has passed a gap within a step that has no sign."""
+    """Fail if a body has passed a gap without a sign within a step."""
     n, now, room, there = x.size, row_of(NOW, work), room_of_gaps(x.size, work), place(x.size, work)
     touches, some = TOUCHES * size_of(x, work), False
     for row in range(now.size):
@@ -70,7 +70,7 @@ def look_for_unsigned(t: float, h: float, x: Floats, v: Floats, work: Floats) ->
 
 
 def find_gap_on_way(row: int, share: float, t: float, h: float, x: Floats, v: Floats, work: Floats) -> float:
-    """Return a gap at a share of the straight way of a step, which is left in its place."""
+    """Return a gap at a fraction of the straight path of a step."""
     n, begin, room, there = x.size, saved(x.size, 0, x.size, work), room_of_gaps(x.size, work), place(x.size, work)
     for i in range(n):
         there[i] = begin[i] + share * (x[i] - begin[i])
@@ -79,7 +79,7 @@ def find_gap_on_way(row: int, share: float, t: float, h: float, x: Floats, v: Fl
 
 
 def touches_without_sign(row: int, t: float, h: float, x: Floats, v: Floats, work: Floats) -> bool:
-    """Whether a gap comes to zero on the straight way of a step, and is negative nowhere around."""
+    """Whether a gap reaches zero on the straight path of a step without becoming negative nearby."""
     low, high = 0.0, 1.0
     for _ in range(_THIRDS):
         third = (high - low) / 3.0

@@ -1,4 +1,4 @@
-"""What the engine knows of a flow."""
+"""The record of a flow."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ Ahead = tuple[tuple[int, int] | None, dict[str, int]]
 
 @dataclass(frozen=True, eq=False)
 class Flow:
-    """A flow, as a template and what must be known to run it.
+    """A flow: a template, and the properties that the engine needs to run it.
 
     Attributes
     ----------
@@ -23,48 +23,48 @@ class Flow:
         addresses, see `kickdrift.engine.flows.layout`, or compiled into it. A flow with nothing inlined is compiled
         once for all systems.
     inlined : tuple of str
-        ``"acceleration"`` or ``"velocity"``, for the flows of which every nanosecond counts: compiled into it where a
-        state is small, or the system comes with kickdrift.
+        ``"acceleration"`` or ``"velocity"``, for flows in which every nanosecond counts: inlined if the state is small, or
+        the system comes with kickdrift.
     parts : mapping of str to callable
-        Templates that it calls, by the names that they have in it, each after those that it calls itself.
+        Templates that it calls, by their names in it, each after those that it calls itself.
     evaluations : int
-        Force evaluations each time, those that it counts itself in work left out.
+        Force evaluations of one call, without those that it counts itself in work.
     counted : callable
-        How many of its letters in a step together count themselves, for the coefficients, where that is known.
+        Force evaluations that its letters in a step count themselves, as a function of the coefficients, if that is fixed.
     moves_x, moves_v : bool
-        What it moves.
+        Whether it changes x and v.
     timed : bool
-        Whether the clock moves with x; not where x is put right at one time.
+        Whether the clock moves with x; False for projections.
     moves_clock : bool
-        Whether it moves the clock itself, in a time of its own.
+        Whether it moves the clock itself, in transformed time.
     keeps_acceleration : bool
-        Whether it leaves the acceleration of the last kick in work.
+        Whether the acceleration of the last kick stays in work.
     plain : bool
-        Whether it leaves nothing in work but that and sums, so that a checkpoint needs no more of it.
+        Whether it keeps nothing else in work but sums, so that a checkpoint needs no more of it.
     memory : callable
         Numbers of memory for a state of n numbers, the coefficients of the method, and the params of the system.
     scratch : callable
         In the same way, numbers of scratch.
     constants : callable or None
-        From the coefficients, the params and whether x' is not v: names and values that are constants of its compilation,
-        as is the size of the state for a few numbers.
+        Returns names and values of compile-time constants, from the coefficients, the params and whether x' differs from v;
+        the size of a small state is one, too.
     ahead : tuple of (sizes, constants)
-        Of a flow with constants, what `kickdrift compile` compiles: the numbers of x and of v, None for many, and the
+        The variants of a flow with constants that `kickdrift compile` compiles: sizes of x and of v, None for any, and the
         constants.
     primer : str
-        Name of a flow that makes the memory ready before the first step, empty for none.
+        Name of the flow that prepares the memory before the first step, empty for none.
     small : callable or None
-        A template of the same for few numbers, whose loops are unrolled.
+        An equivalent template for small states, with unrolled loops.
     sees_v_clock : bool
-        Whether its time is the one that moves with v: that of a rate of x.
+        Whether it uses the clock that moves with v, as a rate of x does.
     merges : bool
-        Whether two in a row are one of both shares; of what moves v, where the acceleration does not depend on it.
+        Whether two consecutive ones can be merged; for flows that change v, if the acceleration does not depend on it.
     again, evaluation : str
-        Names of the flow that does the same with the acceleration that is in work, and of the one that only puts it there.
+        Names of the flow that does the same with the acceleration in work, and of the one that only evaluates it.
     along : str
-        Name of the flow that takes its place where x' is not v.
+        Name of the flow that replaces it where x' differs from v.
     companion : str
-        Name of a part of a system, and of the flow of it, which follows where the kicks have only the remainder.
+        Name of a part of a system and of its flow, which follows if the kicks contain only the remainder.
     estimates : bool
         Whether it estimates its errors, see `layout.estimated_errors`.
     """

@@ -1,10 +1,10 @@
-"""What rests on surfaces or slides along them: how steps of a method that knows of none lead along them, and where they leave.
+"""Bodies that rest on surfaces or slide along them: projection of the steps of any method onto surfaces, and release.
 
 Templates. RATTLE (H. C. Andersen, J. Comput. Phys. 52, 24 (1983)) with one-sided constraints, around the letters of a step.
-Had it begun with impulses p along the gradients J at its start, it would have ended elsewhere by ``h M^-1 J^T p``, and with
-other velocities by ``M^-1 J^T p``: those that lead it onto the surfaces. Along the gradients at its end further impulses take
-what moves across them. Both together may push and not pull: where the sum would be negative it is zero, and the body leaves.
-All of order 2, whatever the method; with one that is symmetric, energy is kept as by RATTLE.
+Impulses p along the gradients J at the start of the step would change its final positions by ``h M^-1 J^T p`` and velocities by
+``M^-1 J^T p``; p is chosen such that the positions are on the surfaces. Further impulses along the gradients at the end remove
+the normal velocities. The sum of both must not pull: if it would be negative, it is zero, and the body leaves the surface.
+All of order 2, for any method; with a symmetric one, energy is conserved as by RATTLE.
 Friction acts with both, see `sliding`.
 """
 
@@ -64,7 +64,7 @@ FREE_X, FREE_V = 4, 5  # vectors of control: where the step has led by itself
 
 
 def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Let rest what touches and moves no farther across its surface in a step than it may be off; note how fast others open."""
+    """Bring contacts to rest whose normal motion in a step is within the tolerance; note the opening speeds of the others."""
     resting, switch, now, opens = row_of(RESTING, work), row_of(SWITCH, work), row_of(NOW, work), row_of(OPENS, work)
     touches = TOUCHES * size_of(x, work)
     for row in range(now.size):
@@ -83,7 +83,7 @@ def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None
 
 @compiled
 def steepest(k: int, n: int, work: Floats) -> float:
-    """Return the largest number of the gradient of a gap listed."""
+    """Return the largest component of the gradient of a listed gap."""
     slopes, most = gradient(k, n, work), 0.0
     for i in range(n):
         most = max(most, abs(slopes[i]))
@@ -92,7 +92,7 @@ def steepest(k: int, n: int, work: Floats) -> float:
 
 @compiled
 def speed_of(k: int, v: Floats, work: Floats) -> tuple[float, float]:
-    """Return how fast a gap listed opens, and the sum of what that is made of."""
+    """Return the opening speed of a listed gap, and the sum of its terms' sizes."""
     rate, slopes = row_of(RATE, work)[k], gradient(k, v.size, work)
     speed, size = rate, abs(rate)
     for i in range(v.size):
@@ -103,18 +103,18 @@ def speed_of(k: int, v: Floats, work: Floats) -> tuple[float, float]:
 
 @compiled
 def still_speed(k: int, h: float, x: Floats, v: Floats, work: Floats) -> float:
-    """Return how fast a gap listed may open or close that does neither: by roundings, or by no more than touches in a step."""
+    """Return the tolerance for the speed of a listed gap at rest: rounding, or the tolerance of contact over a step."""
     return max(_STILL * speed_of(k, v, work)[1], TOUCHES * size_of(x, work) / abs(h))
 
 
 @compiled
 def list_resting(leaving: float, work: Floats) -> int:
-    """List the gaps at which something rests, with those that it leaves or without, and return how many."""
+    """List the gaps at rest, with or without those that are about to open, and return their number."""
     own, row, resting = own_params(work), row_of(LIST, work), row_of(RESTING, work)
     listed = 0
     for i in range(resting.size):
         if resting[i] == RESTS or resting[i] == leaving:
-            if listed == int(own[MOST_LISTED]):  # more than there are ways to move, twice
+            if listed == int(own[MOST_LISTED]):  # more than twice the degrees of freedom
                 work[TROUBLE] = CROWDED
                 break
             row[listed] = i
@@ -124,7 +124,7 @@ def list_resting(leaving: float, work: Floats) -> int:
 
 
 def hold(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Lead a step that has ended back to what it rests on, and mark what leaves: that is led nowhere."""
+    """Project the end of a step back onto the surfaces of gaps at rest, except those that open, which are marked."""
     n, resting, now = x.size, row_of(RESTING, work), row_of(NOW, work)
     if list_resting(LEAVES, work) == 0:
         return
@@ -142,7 +142,7 @@ def hold(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
         find_gaps(t, x, v, work)
         for row in range(resting.size):
             closes = closes or (resting[row] == LEAVES and now[row] < 0.0)
-    if closes:  # it leaves in the next step, from the surface
+    if closes:  # it leaves the surface in the next step
         assign(x, saved(n, FREE_X, n, work))
         assign(v, saved(n, FREE_V, n, work))
         list_resting(LEAVES, work)
@@ -150,7 +150,7 @@ def hold(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
 
 
 def hold_to_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Lead a step back to the surfaces listed."""
+    """Project a step onto the listed surfaces."""
     n, listed = x.size, int(own_params(work)[LISTED])
     impulse, used, square = row_of(IMPULSE, work), row_of(USED, work), row_of(SQUARE, work)
     find_gradients(t - h, saved(n, 0, n, work), v, work)
@@ -173,7 +173,7 @@ def hold_to_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> 
 
 
 def reach_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Find the impulses at the start with which a step ends on the surfaces, and the friction that goes with them."""
+    """Find the impulses at the start for which a step ends on the surfaces, with the corresponding friction."""
     n, room, left, row = x.size, room_of_gaps(x.size, work), row_of(LEFT, work), row_of(LIST, work)
     listed, way, begin = int(own_params(work)[LISTED]), place(n, work), saved(n, 0, n, work)
     size, moved = size_of(x, work), 0.0
@@ -202,7 +202,7 @@ def reach_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> No
 
 @compiled
 def balance(least: float, change: Floats, work: Floats) -> None:
-    """Find the impulses that change the speeds of the gaps listed by what is left, and leave the change of the velocities."""
+    """Find the impulses that remove the remaining speeds of the listed gaps, and write the change of the velocities."""
     n, left, square, impulse = change.size, row_of(LEFT, work), row_of(SQUARE, work), row_of(IMPULSE, work)
     listed, inverse = int(own_params(work)[LISTED]), inverse_masses(n, work)
     for i in range(n):
@@ -226,7 +226,7 @@ def balance(least: float, change: Floats, work: Floats) -> None:
 
 @compiled
 def keep_along(v: Floats, work: Floats) -> None:
-    """Take from the velocities what leads across the surfaces, by impulses that push in sum; and friction."""
+    """Remove the normal velocities at the surfaces by impulses whose sum pushes, and apply friction."""
     n, square, impulse = v.size, row_of(SQUARE, work), row_of(IMPULSE, work)
     listed, inverse = int(own_params(work)[LISTED]), inverse_masses(n, work)
     for _ in range(_ROUNDS):

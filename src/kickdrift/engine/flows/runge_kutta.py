@@ -1,4 +1,4 @@
-"""The Runge-Kutta methods, explicit and implicit, with coefficients of their own for x and v where a tableau has them.
+"""The Runge-Kutta methods, explicit and implicit, with separate coefficients for x and v if a tableau has them.
 
 Templates, see `kickdrift.engine.flows.implicit`. The coefficients are the numbers of a `kickdrift.methods.Tableau`.
 The unknowns are the stages: their positions, then their velocities. Where x' = v, only the velocities are unknown:
@@ -45,7 +45,7 @@ solve: Callable[..., bool] = unbound
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
-    """Return what is known when it is compiled."""
+    """Return the compile-time constants."""
     return {"STAGES": int(coefficients[0]), "GENERAL": general}
 
 
@@ -97,13 +97,13 @@ def implicit_runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Float
         if solve(_RUNGE_KUTTA, m, STAGES * n, t, h, x, v, params, work):
             advance(h, x, v, work, b, b_of_v, x_rates, v_rates)
             break
-        # Where the polynomial led astray: without rates, the stages start from x and v.
+        # The extrapolated start was poor: without rates, the stages start from x and v.
         clear(x_rates)
         clear(v_rates)
 
 
 def stage_residual(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave how far each stage is from x + h sum_j a_ij x'_j and v + h sum_j a_ij v'_j."""
+    """Write the differences of the stages from x + h sum_j a_ij x'_j and v + h sum_j a_ij v'_j."""
     n, n_v, head = SIZE or x.size, SIZE_OF_V if SIZE else v.size, memory(work)
     x, v = part(x, 0, n), part(v, 0, n_v)
     m = number_of_unknowns(n, n_v, STAGES, GENERAL)
@@ -126,14 +126,14 @@ def stage_residual(t: float, h: float, x: Floats, v: Floats, params: Floats, wor
     if GENERAL:
         head[2], head[3] = scale(largest(xs), abs(h) * largest(x_rates)), size_of_v
     else:
-        # A velocity is as exact as the position that its share of the step is added to: 4e-16 of x in 1e-12 of this.
+        # A velocity is as accurate as the position to which its part of the step is added: 4e-16 of x in 1e-12 of this.
         head[2] = scale(size_of_v, 4e-4 * largest(x) / abs(h))
 
 
 def evaluate(
     i: int, t: float, stage: Floats, stage_v: Floats, params: Floats, work: Floats, x_rates: Floats, v_rates: Floats
 ) -> None:
-    """Leave the rates of stage i; those of x only where they are not v."""
+    """Write the rates of stage i; those of x only where they differ from v."""
     n, n_v = stage.size, stage_v.size
     if GENERAL:
         velocity_at(t, stage, stage_v, params, work, part(x_rates, i * n, n))
@@ -145,7 +145,7 @@ def evaluate(
 def advance(
     h: float, x: Floats, v: Floats, work: Floats, b: Floats, b_of_v: Floats, x_rates: Floats, v_rates: Floats
 ) -> None:
-    """Add the weighted rates of the stages; their sums take the place of those of the last kick."""
+    """Add the weighted rates of the stages; their sums are stored in place of the last kick's acceleration."""
     n, n_v = x.size, v.size
     total = part(work, 3 * n, n)
     combine(b, x_rates, total)

@@ -1,4 +1,4 @@
-"""The sides of switches: how the law of the force gets to know them, and how a state between two steps does.
+"""The sides of switches: in the params of the force, and for states between two steps.
 
 Templates. Where steps are cut at a switch, the next begins at it but for rounding, and knows its side: see `cuts`. Of a part
 of that step only the state is known; the side is that on which the motion, or the time alone, leads it a moment later.
@@ -40,7 +40,7 @@ _LATEST = 1e-9  # of a step: how far ahead a state is followed that stays at a s
 
 @compiled
 def show_sides(params: Floats, work: Floats) -> None:
-    """Write into the params of the force on which side of each switch the step is, to its end; count where one changes."""
+    """Write the sides of the switches during the step into the params of the force; count the changes."""
     place = int(own_params(work)[PLACE_OF_SIDES])
     side, switch = row_of(SIDE, work), row_of(SWITCH, work)
     if place >= 0:
@@ -52,7 +52,7 @@ def show_sides(params: Floats, work: Floats) -> None:
 
 
 def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Find out on which side of each switch a state is, or will be a moment later where it is at a switch."""
+    """Determine the side of each switch on which a state is, or will be a moment later if it is at the switch."""
     side, now, switch, near = row_of(SIDE, work), row_of(NOW, work), row_of(SWITCH, work), False
     for row in range(side.size):
         side[row] = 1.0
@@ -68,7 +68,7 @@ def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
 
 
 def take_sides_ahead(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Take the sides on which a state will be after a moment that is rounding beside t, or when a switch is zero no more."""
+    """Use the sides after a time within the rounding of t, or as soon as a switch is no longer zero."""
     n, side, now, before = x.size, row_of(SIDE, work), row_of(NOW, work), row_of(BEFORE, work)
     there, v_there, rate = saved(n, FREE_X, n, work), saved(n, FREE_V, v.size, work), place(n, work)
     a, switch = room_of_accelerations(n, work), row_of(SWITCH, work)

@@ -1,4 +1,4 @@
-"""Friction of bodies on surfaces: which stick, which slide, and where a slip turns around.
+"""Friction of bodies on surfaces: sticking, sliding, and reversals of the slip.
 
 Templates. By Coulomb's law friction takes of the way along a surface what the impulses at the start of a step allow, and of the
 speed at the end what they allow in sum, see `resting`. So what sticks stays where it is. What slides at the start is rubbed
@@ -43,7 +43,7 @@ find_gradients: Callable[..., None] = unbound
 
 @compiled
 def along(k: int, a: Floats, b: Floats, work: Floats) -> float:
-    """Return the product of what two velocities have along the surface of a gap listed."""
+    """Return the scalar product of the tangential parts of two velocities at a listed gap."""
     slopes, total, size = gradient(k, a.size, work), 0.0, int(own_params(work)[BODY_SIZE])
     for first in range(0, a.size, size):
         length, across_a, across_b, product = 0.0, 0.0, 0.0, 0.0
@@ -59,7 +59,7 @@ def along(k: int, a: Floats, b: Floats, work: Floats) -> float:
 
 @compiled
 def find_sliding(h: float, x: Floats, work: Floats) -> None:
-    """Note how fast the gaps listed slide at the start of a step that can be cut: zero for those that stick."""
+    """Note the slip speeds of the listed gaps at the start of a step that can be cut: zero for those that stick."""
     own, slides, row, start = own_params(work), row_of(SLIDES, work), row_of(LIST, work), saved(x.size, 1, x.size, work)
     for k in range(int(own[LISTED])):
         slides[k] = 0.0
@@ -70,7 +70,7 @@ def find_sliding(h: float, x: Floats, work: Floats) -> None:
 
 @compiled
 def least_slip(v: Floats, work: Floats) -> float:
-    """Leave how far each slides in a step as it ends, negative where it has reversed, and return the least."""
+    """Write the slip of each at the end of a step, negative if it has reversed, and return the smallest."""
     slides, row, slip = row_of(SLIDES, work), row_of(LIST, work), row_of(SLIP, work)
     start, least = saved(v.size, 1, v.size, work), math.inf
     for i in range(slip.size):
@@ -85,7 +85,7 @@ def least_slip(v: Floats, work: Floats) -> float:
 
 @compiled
 def least_slip_at_start(work: Floats) -> float:
-    """Return the same at the start of the step."""
+    """Return the smallest slip at the start of the step."""
     slides, least = row_of(SLIDES, work), math.inf
     for k in range(int(own_params(work)[LISTED])):
         if slides[k] > 0.0:
@@ -94,7 +94,7 @@ def least_slip_at_start(work: Floats) -> float:
 
 
 def stop_slip(row: int, t: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Take what roundings leave of a slip that has come to zero."""
+    """Remove the rounding errors of a slip that has reached zero."""
     n, size = x.size, int(own_params(work)[BODY_SIZE])
     start, slopes = saved(n, 1, n, work), gradient(0, n, work)
     list_one(row, work)
@@ -113,7 +113,7 @@ def stop_slip(row: int, t: float, x: Floats, v: Floats, work: Floats) -> None:
 
 @compiled
 def rub_listed(h: float, way: Floats, velocity: Floats, work: Floats) -> float:
-    """Take from what is along the surfaces what the impulses allow, acting for a time, and return the largest change.
+    """Reduce the tangential velocities by friction, as far as the impulses allow, and return the largest change.
 
     What slides loses it against its velocity, given; and what sticks loses no more than it has.
     """

@@ -38,9 +38,7 @@ from kickdrift.engine.flows.layout import (
 
 Floats = NDArray[np.float64]
 
-_FARTHEST = (
-    10.0  # times too dense or too thin: by then steps have passed over what the density rose for, and never find back
-)
+_FARTHEST = 10.0  # times too dense or too sparse: the steps have then missed a peak of the density, and cannot recover
 
 density_at: Callable[..., None] = unbound
 acceleration_at: Callable[..., None] = unbound
@@ -61,7 +59,7 @@ def take_density(density: float, work: Floats) -> None:
 
 @compiled(inline=True)
 def move_density(work: Floats) -> None:
-    """Move z by half a step at the last rate, and keep what the sum rounds off."""
+    """Advance z by half a step at the last rate, with a compensated sum."""
     increment = 0.5 * work[FIRST_STEP] * work[DENSITY_RATE] - work[DENSITY_ROUNDED_OFF]
     total = work[DENSITY] + increment
     work[DENSITY_ROUNDED_OFF] = (total - work[DENSITY]) - increment
@@ -112,31 +110,31 @@ def difference_density(t: float, x: Floats, v: Floats, params: Floats, work: Flo
 
 
 def rates_left_out(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
-    """Leave the rates of v zero, where the density does not see v."""
+    """Set the rates of v to zero, for densities that do not depend on v."""
     for i in range(out.size):
         out[i] = 0.0
 
 
 def rates_evaluated(t: float, x: Floats, v: Floats, params: Floats, work: Floats, out: Floats) -> None:
-    """Leave the rates of v, where the density sees it."""
+    """Write the rates of v, for densities that depend on it."""
     work[EVALUATIONS] += 1.0
     acceleration_at(t, x, v, params, work, out)
 
 
 def measure_density(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Make ready: the density is that of the start, whose own step is the first."""
+    """Prepare the control: the density is that of the start, to which the first step belongs."""
     work[START_DENSITY] = density_of(t, x, v, work)
     work[DENSITY] = 1.0
     work[DENSITY_RATE] = rate_of_density(t, x, v, params, work)
 
 
 def begin_density(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Move z by half a step, by the rate that the last step has left."""
+    """Advance z by half a step, at the rate from the last step."""
     move_density(work)
 
 
 def end_density(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Move z by half a step, by the rate where the step has led."""
+    """Advance z by half a step, at the rate at the end of the step."""
     work[DENSITY_RATE] = rate_of_density(t, x, v, params, work)
     move_density(work)
     off = work[DENSITY] * work[START_DENSITY] / work[DENSITY_HERE]
@@ -145,5 +143,5 @@ def end_density(t: float, h: float, x: Floats, v: Floats, params: Floats, work: 
 
 
 def reflect_density(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Make z as far beyond the density in the middle of the step as it was before."""
+    """Reflect z at the density in the middle of the step."""
     take_density(2.0 * density_of(t, x, v, work) / work[START_DENSITY] - work[DENSITY], work)

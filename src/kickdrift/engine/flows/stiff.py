@@ -39,7 +39,7 @@ from kickdrift.engine.flows.runge_kutta import number_of_unknowns, shift, stages
 
 Floats = NDArray[np.float64]
 _STIFF = 4
-_LEAST_SHARE = 2.0**-20  # of a step, below which it is given up
+_LEAST_SHARE = 2.0**-20  # of a step, below which the step fails
 _STARTS_THERE = 6
 
 STAGES, GENERAL = 0, False  # bound, see `runge_kutta`
@@ -60,7 +60,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def stiff_runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x and v by h, in one step or in as few halves of halves as it takes."""
+    """Advance x and v by h, in one step or by repeated halving."""
     trouble, done, share = work[TROUBLE], 0.0, 1.0
     while done < 1.0:
         work[TROUBLE] = trouble
@@ -77,7 +77,7 @@ def stiff_runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Floats, 
 
 
 def take_attempt(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Advance x and v by h in one step; False, and nothing moved, where its equations cannot be solved."""
+    """Advance x and v by h in one step; return False, with the state unchanged, if its equations cannot be solved."""
     n, n_v, head = SIZE or x.size, SIZE_OF_V if SIZE else v.size, memory(work)
     x, v = part(x, 0, n), part(v, 0, n_v)
     c, _, b, _, b_of_v, onward = tableau(n, STAGES, work)
@@ -110,14 +110,14 @@ def take_attempt(t: float, h: float, x: Floats, v: Floats, params: Floats, work:
             estimate(h, x, v, work)
             head[_STARTS_THERE] = 1.0
             return True
-        # Where the polynomial led astray: without rates, the stages start from x and v.
+        # The extrapolated start was poor: without rates, the stages start from x and v.
         clear(x_rates)
         clear(v_rates)
     return False
 
 
 def estimate_errors(h: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Note the differences from the embedded step, where they are the largest so far."""
+    """Note the differences from the embedded step, if they are the largest so far."""
     n, n_v = SIZE or x.size, SIZE_OF_V if SIZE else v.size
     m = number_of_unknowns(n, n_v, STAGES, GENERAL)
     _, _, x_rates, v_rates = stages(n, n_v, STAGES, GENERAL, work)
@@ -148,7 +148,7 @@ def first_rates(n: int, n_v: int, s: int, general: bool, work: Floats) -> tuple[
 
 @compiled
 def forget(n: int, n_v: int, s: int, general: bool, work: Floats) -> None:
-    """Clear the rates of the step before, which the next one, of another size, does not continue from."""
+    """Clear the rates of the last step, from which the next one, of another size, cannot extrapolate."""
     _, _, x_rates, v_rates = stages(n, n_v, s, general, work)
     clear(x_rates)
     clear(v_rates)
@@ -157,7 +157,7 @@ def forget(n: int, n_v: int, s: int, general: bool, work: Floats) -> None:
 
 @compiled(inline=True)
 def hold_back(y: Floats, h: float, rate: Floats, stage: Floats) -> None:
-    """Start a stage from y in the components that move against their slope there, or more than twice as far.
+    """Start a stage from y in the components that would move against their slope there, or more than twice as far.
 
     Each is judged by itself: no norm tells how large a change of it is large.
     """

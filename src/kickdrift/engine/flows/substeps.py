@@ -1,4 +1,4 @@
-"""Many steps of Verlet's under the fast part of the acceleration, inside of one under the slow part.
+"""Many Verlet steps under the fast part of the acceleration within one under the slow part.
 
 A template, see `kickdrift.engine.flows.kick_drift`. How many there are is the coefficient of the method. The system's part
 ``fast`` is the fast part of the acceleration.
@@ -33,7 +33,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def substeps(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x and v by h. The kicks of the slow part between two calls leave x, and with it the fast acceleration."""
+    """Advance x and v by h. Kicks of the slow part between two calls do not change x, nor the fast acceleration."""
     n, own = x.size, memory(work)
     fast, many = part(own, _HEAD, n), int(work[coefficients_at(n)])
     if own[0] == 0.0 or own[1] != work[CHANGES]:

@@ -1,4 +1,4 @@
-"""The sums of the flows, plain and compensated, compiled and for the interpreter: same operations, same bits."""
+"""The sums of the flows, plain and compensated, compiled and for the interpreter, with the same operations and bits."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ def add(y: Floats, h: float, rate: Floats, work: Floats) -> None:
 
 @compiled(inline=True)
 def _add_compensated(y: Floats, h: float, rate: Floats, residual: Floats) -> None:
-    # Kahan, Comm. ACM 8, 40 (1965): what a sum rounds off is given to the next one.
+    # Kahan, Comm. ACM 8, 40 (1965): the rounding error of a sum is passed to the next.
     for i in range(y.size):
         increment = h * rate[i] - residual[i]
         total = y[i] + increment
@@ -63,7 +63,7 @@ def add_to_v_compensated_interpreted(v: Any, h: float, rate: Any, work: Any) -> 
 
 
 def sums(native: bool, compensated: bool) -> dict[str, Function]:
-    """Return what the names ``add_to_x`` and ``add_to_v`` of the flows are bound to."""
+    """Return the functions to which ``add_to_x`` and ``add_to_v`` of the flows are bound."""
     if compensated and native:
         return {"add_to_x": add_to_x_compensated, "add_to_v": add_to_v_compensated}
     if compensated:

@@ -1,4 +1,4 @@
-"""Surfaces that steps are cut at: where their numbers are, how far off they are, and in which direction they lie.
+"""Surfaces at which steps are cut: layout of their numbers, gaps and gradients.
 
 Templates. Layout of the params of control: HEAD numbers, named below; then ROWS rows of a number to each of m gaps, named
 below, of which the last ones belong to the gaps that are listed; VECTORS of n numbers, the inverse masses first; room for m
@@ -53,32 +53,32 @@ def _vector(index: int, n: int, work: Floats) -> Floats:
 
 @compiled(inline=True)
 def inverse_masses(n: int, work: Floats) -> Floats:
-    """Return one over the mass to each number of the state."""
+    """Return the inverse mass of each component of the state."""
     return _vector(_INVERSE_MASSES, n, work)
 
 
 @compiled(inline=True)
 def place(n: int, work: Floats) -> Floats:
-    """Return room for n numbers, which every gradient overwrites."""
+    """Return scratch for n numbers, which every gradient overwrites."""
     return _vector(_PLACE, n, work)
 
 
 @compiled(inline=True)
 def room_of_accelerations(n: int, work: Floats) -> Floats:
-    """Return room for n numbers."""
+    """Return scratch for n numbers."""
     return _vector(_ACCELERATION, n, work)
 
 
 @compiled(inline=True)
 def room_of_gaps(n: int, work: Floats) -> Floats:
-    """Return room for the gaps."""
+    """Return scratch for the gaps."""
     own = own_params(work)
     return part(own, HEAD + ROWS * int(own[COUNT]) + VECTORS * n, int(own[COUNT]))
 
 
 @compiled(inline=True)
 def gradient(k: int, n: int, work: Floats) -> Floats:
-    """Return the gradient of one of the gaps listed."""
+    """Return the gradient of a listed gap."""
     own = own_params(work)
     return part(own, HEAD + (ROWS + 1) * int(own[COUNT]) + (VECTORS + k) * n, n)
 
@@ -93,7 +93,7 @@ def params_of_gaps(n: int, work: Floats) -> Floats:
 
 @compiled
 def size_of(x: Floats, work: Floats) -> float:
-    """Return how large positions are, by which roundings are measured."""
+    """Return the size of positions, to which rounding errors are relative."""
     size = float(own_params(work)[LENGTH])
     for i in range(x.size):
         size = max(size, abs(x[i]))
@@ -108,7 +108,7 @@ def list_one(row: int, work: Floats) -> None:
 
 
 def evaluate_gaps(t: float, x: Floats, v: Floats, work: Floats) -> float:
-    """Leave the gaps, and return the smallest of those that may close."""
+    """Write the gaps, and return the smallest of those that may close."""
     now, side, resting, before = row_of(NOW, work), row_of(SIDE, work), row_of(RESTING, work), row_of(BEFORE, work)
     gaps_at(t, x, v, params_of_gaps(x.size, work), work, now)
     least, closed = math.inf, CLOSED * size_of(x, work)
@@ -122,7 +122,7 @@ def evaluate_gaps(t: float, x: Floats, v: Floats, work: Floats) -> float:
 
 
 def difference_gradients(t: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Leave the gradients of the gaps listed, the squares of these over the masses, and the rates of the gaps at rest."""
+    """Write the gradients of the listed gaps, their squares over the masses, and the rates of gaps that move by themselves."""
     n, room, there, inverse = x.size, room_of_gaps(x.size, work), place(x.size, work), inverse_masses(x.size, work)
     listed, row, square = int(own_params(work)[LISTED]), row_of(LIST, work), row_of(SQUARE, work)
     d = DIFFERENCE * size_of(x, work)
@@ -148,7 +148,7 @@ def difference_gradients(t: float, x: Floats, v: Floats, work: Floats) -> None:
 
 
 def difference_in_time(t: float, x: Floats, v: Floats, work: Floats) -> None:
-    """Leave the rates of the gaps listed where nothing moves but they: by times within the run, as tables may end with it.
+    """Write the rates of the listed gaps at constant positions, by times within the run, since tables may end with it.
 
     Differences of differences, so that what does not change has the rate zero.
     """

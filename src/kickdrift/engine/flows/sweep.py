@@ -32,7 +32,7 @@ add_to_x: Callable[..., None] = unbound
 
 
 def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> dict[str, int]:
-    """Return what is known beside the size when it is compiled: nothing."""
+    """Return no compile-time constants besides the size."""
     return {}
 
 
@@ -42,7 +42,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def sweep(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance the components by h one after the other, each at its rate where those before it have arrived."""
+    """Advance the components by h one after the other, each at its rate with the new values of those before it."""
     n = SIZE or x.size
     rates = part(work, 3 * n, n)
     for i in range(n):
@@ -51,7 +51,7 @@ def sweep(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats
 
 
 def adjoint_sweep(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance the components by h, the last one first, each at its rate where it arrives."""
+    """Advance the components by h, the last one first, each implicitly, at its rate at the new value."""
     n = SIZE or x.size
     rates = part(work, 3 * n, n)
     for i in range(n - 1, -1, -1):
@@ -64,7 +64,7 @@ def adjoint_sweep(t: float, h: float, x: Floats, v: Floats, params: Floats, work
 
 
 def solve_component(i: int, t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
-    """Solve x_i = start + h f_i(t, x) by secants, which leaves the rate; or leave the residual at TROUBLE.
+    """Solve x_i = start + h f_i(t, x) by the secant method and write the rate, or the residual to TROUBLE.
 
     The first iteration is a fixed-point one, whose slope is -1. It ends where the increments stop shrinking.
     """
@@ -77,7 +77,7 @@ def solve_component(i: int, t: float, h: float, x: Floats, v: Floats, params: Fl
         residual = (start - x[i]) + h * rate[0]
         size = max(abs(start), abs(x[i]), abs(h * rate[0]))
         if not np.isfinite(residual):
-            x[i] = 0.5 * (x[i] + earlier)  # half of the last increment may do
+            x[i] = 0.5 * (x[i] + earlier)  # half of the last increment may suffice
             continue
         if abs(x[i] - earlier) > _SHORTEST * size:
             slope = (residual - earlier_residual) / (x[i] - earlier)
@@ -91,7 +91,7 @@ def solve_component(i: int, t: float, h: float, x: Floats, v: Floats, params: Fl
 
 
 def evaluate_component(i: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Leave the rate of a component among the rates of x."""
+    """Write the rate of a component among the rates of x."""
     n = SIZE or x.size
     rates = part(work, 3 * n, n)
     if has_part(COMPONENT, work):

@@ -1,4 +1,4 @@
-"""The table of flows: what the engine knows of each. A new flow is its function and a line here."""
+"""The table of flows. A new flow is its function and a line here."""
 
 from kickdrift.core.compilation import Function
 from kickdrift.engine.flows import (
@@ -99,7 +99,7 @@ FLOWS = {
     "thermostat": Flow(noise.thermostat, parts={"draw": noise.draw}, moves_v=True),
     "noise": Flow(noise.noise, parts={"draw": noise.draw}, moves_v=True),
     "kepler": Flow(kepler.kepler, moves_x=True, moves_v=True),
-    "jump": Flow(kepler.jump),  # moves x by what neither the clock nor the acceleration of the kicks sees
+    "jump": Flow(kepler.jump),  # moves x without effect on the clock or the acceleration of the kicks
     "encounters": Flow(
         encounters.encounters,
         moves_x=True,

@@ -59,7 +59,7 @@ def evaluate_potential(t: float, x: Floats, v: Floats, work: Floats) -> float:
 
 @compiled(inline=True)
 def time_of(h: float, density: float, work: Floats) -> float:
-    """Return the time that h takes at a density; zero, with the failure noted, for an invalid one."""
+    """Return the time of a step h at a density; zero, with the failure noted, for an invalid one."""
     share = density / work[START_DENSITY]
     if not 0.0 < share < math.inf:
         work[TROUBLE] = FAILED_CONTROL
@@ -68,7 +68,7 @@ def time_of(h: float, density: float, work: Floats) -> float:
 
 
 def measure_binding(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Make ready: the energy at the start, and minus the potential energy as the density there."""
+    """Prepare the control: the energy at the start, and minus the potential energy as the density there."""
     work[BINDING] = -energy_of(t, x, v, work)
     work[START_DENSITY] = -potential_of(t, x, v, work)
     if not 0.0 < work[START_DENSITY] < math.inf:
@@ -83,7 +83,7 @@ def logarithmic_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, w
 
 
 def logarithmic_rekick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Do the same with the acceleration that the last kick left in work."""
+    """Do the same with the acceleration that the last kick wrote to work."""
     add_to_v(v, time_of(h, -potential_of(t, x, v, work), work), work[: x.size], work)
 
 
@@ -96,7 +96,7 @@ def logarithmic_drift(t: float, h: float, x: Floats, v: Floats, params: Floats, 
 
 
 def measure_weight(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Make ready: W is Omega at the start, both measured by that."""
+    """Prepare the control: W is Omega at the start, and both are relative to that."""
     work[START_DENSITY] = density_of(t, x, v, work)
     work[BINDING] = work[START_DENSITY]
 
@@ -108,7 +108,7 @@ def transformed_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, w
 
 
 def kick_again(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Do the same with the acceleration that is in work."""
+    """Do the same with the acceleration in work."""
     omega = density_of(t, x, v, work)
     time = time_of(h, omega, work)
     rate = rate_of_density(t, x, v, params, work)

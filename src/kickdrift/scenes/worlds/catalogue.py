@@ -24,7 +24,7 @@ class Scene:
     duration, step : float
         Of a run, s.
     what : str
-        What happens.
+        What is shown.
     """
 
     make: Callable[[], World]

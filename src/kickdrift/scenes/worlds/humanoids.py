@@ -65,7 +65,7 @@ def add_person(
     drive: Drive | None = None,
     bones: Sequence[Bone] = BONES,
 ) -> Person:
-    """Put a person of eleven bodies into a world: balls at the neck, waist, shoulders and hips, hinges below.
+    """Add a humanoid of eleven bodies to a world: ball joints at neck, waist, shoulders and hips, hinges below.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def add_person(
 
 
 class Humanoid(NamedTuple):
-    """One who stands, and the bodies by name."""
+    """A standing humanoid, and its bodies by name."""
 
     world: World
     bodies: Person

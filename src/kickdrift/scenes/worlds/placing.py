@@ -1,4 +1,4 @@
-"""Where things of a scene begin."""
+"""Initial poses of the bodies of scenes."""
 
 from __future__ import annotations
 

@@ -10,8 +10,9 @@ Grinspun, A quadratic bending model for inextensible surfaces, SGP 2006): at a f
 curvature c at rest and the normal n of the triangle. Where c is zero, force is linear in x, the same for all time: that of
 each vertex is a sum over some 18 others (`kickdrift.world.cloth.couplings`). Elsewhere -A D c H x . n is added, as |n| is one.
 
-Damping is by the rate of H x, seen by who turns with the cloth: at the angular velocity for which least is damped, from
-which it follows that angular momentum stays. What turns against the rest of its cloth while it is bent is damped for that.
+Damping is by the change of H x in a part of a substep, seen by who turns with the cloth: at the angular velocity for which
+least is damped, from which it follows that angular momentum stays. What turns against the rest of its cloth while it is bent
+is damped for that.
 """
 
 from typing import Any
@@ -37,7 +38,6 @@ from kickdrift.world.cloth.layout import (
     LAST_PARTICLE,
     PLACES,
     PULLS,
-    SPEEDS,
     STENCIL,
 )
 from kickdrift.world.cloth.particle_lanes import add_force, field_size
@@ -66,19 +66,22 @@ _TURNS = 1e-12  # rad^2: cloths that are bent by less, all in all, have no frame
 
 
 @compiled
-def add_bending(world: int, cloth: int, share: float) -> None:
-    """Add `share` times the forces of bending to those on the particles of a cloth."""
+def add_bending(world: int, cloth: int, share: float, damped: float) -> None:
+    """Add `share` times the forces of bending to those on the particles of a cloth, and `damped` times those of damping.
+
+    These are by the change since the last time, over that time in s: `damped` is zero where that is not known.
+    """
     numbers, own = floats(world, CLOTH_NUMBERS), integers(world, CLOTH)
-    stiffness, damping = share * numbers[cloth, BENDING], numbers[cloth, BENDING_DAMPING]
+    stiffness, ahead = share * numbers[cloth, BENDING], damped / share * numbers[cloth, BENDING_DAMPING]
     if stiffness == 0.0:
         return
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     begin, end = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
     sums = carray(floats_on_stack(_SUMS), (_SUMS,))
     sums[:] = 0.0
-    _couple(world, cloth, stiffness, damping, sums)
-    if damping > 0.0:
-        x, y, z = _spin(sums, stiffness * damping)
+    _couple(world, cloth, stiffness, ahead, sums)
+    if ahead > 0.0:
+        x, y, z = _spin(sums, stiffness * ahead)
         for i in range(begin, end - WIDTH + 1, WIDTH):
             turn_lanes(fields, size, i, x, y, z)
         for i in range(end - (end - begin) % WIDTH, end):
@@ -91,8 +94,8 @@ def add_bending(world: int, cloth: int, share: float) -> None:
 
 
 @compiled
-def _couple(world: int, cloth: int, stiffness: float, damping: float, sums: Any) -> None:
-    """Add what particles get from each other by where they are, and how they move, to the forces on them.
+def _couple(world: int, cloth: int, stiffness: float, ahead: float, sums: Any) -> None:
+    """Add what particles get from each other by where they are, and would be so many parts ahead, to the forces on them.
 
     Particles that follow each other and have the same couplings are done eight at a time; those of the last eight that have
     been done already are skipped. `sums` are those of `_spin`, in lanes.
@@ -109,12 +112,12 @@ def _couple(world: int, cloth: int, stiffness: float, damping: float, sums: Any)
         first, last = start + first, start + last
         if after - i < WIDTH:
             for j in range(i, after):
-                _couple_one(world, j, first, last, stiffness, damping, begin, sums)
-        elif damping > 0.0:
+                _couple_one(world, j, first, last, stiffness, ahead, begin, sums)
+        elif ahead > 0.0:
             for k in range(i, after, WIDTH):
                 at = min(k, after - WIDTH)
                 couple_damped_lanes(
-                    fields, size, at, k - at, offsets, weights, first, last, stiffness, damping, begin, sums
+                    fields, size, at, k - at, offsets, weights, first, last, stiffness, ahead, begin, sums
                 )
         else:
             for k in range(i, after, WIDTH):
@@ -125,20 +128,18 @@ def _couple(world: int, cloth: int, stiffness: float, damping: float, sums: Any)
 
 @compiled
 def _couple_one(
-    world: int, i: int, first: int, last: int, stiffness: float, damping: float, begin: int, sums: Any
+    world: int, i: int, first: int, last: int, stiffness: float, ahead: float, begin: int, sums: Any
 ) -> None:
     offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
-    x, v = _vector(fields, size, PLACES, i), _vector(fields, size, SPEEDS, i)
-    p, q = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    x, p = _vector(fields, size, PLACES, i), (0.0, 0.0, 0.0)
     for row in range(first, last):
         j, w = i + offsets[row], weights[row]
         p = plus(p, times(w, minus(_vector(fields, size, PLACES, j), x)))
-        if damping > 0.0:
-            q = plus(q, times(w, minus(_vector(fields, size, SPEEDS, j), v)))
+    q = minus(p, _vector(fields, size, CURVES, i))
     for k in range(3):
         fields[(CURVES + k) * size + i] = p[k]
-        fields[(FORCES + k) * size + i] += stiffness * (p[k] + damping * q[k])
+        fields[(FORCES + k) * size + i] += stiffness * (p[k] + ahead * q[k])
     u = minus(x, _vector(fields, size, PLACES, begin))
     torque = cross(u, q)
     for k in range(3):
@@ -158,8 +159,8 @@ def _vector(fields: Any, size: int, field: int, i: int) -> Vector:
 def _spin(sums: Any, factor: float) -> Vector:
     """Return the angular velocity w of who turns with the cloth, times a factor.
 
-    With the curves p = -H^T H x and their rates q = -H^T H v the force is D (p + damping (q - w x p)); its torque is zero for
-    that of sum x x q = sum (x . p) w - p (x . w), which also makes |H v - w x H x| least: (tr S - S) w = torque, for S that is
+    With the curves p = -H^T H x and their changes q the force is D (p + ahead (q - w x p)); its torque is zero for
+    that of sum x x q = sum (x . p) w - p (x . w), which also makes |H dx - w x H x| least: (tr S - S) w = torque, for S that is
     negative. `sums` are the torque, and S as xx, yy, zz, xy, xz, yz, in lanes.
     """
     totals = carray(floats_on_stack(9), (9,))

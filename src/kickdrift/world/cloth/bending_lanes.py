@@ -8,6 +8,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from kickdrift.world.cloth.lanes import VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
+from kickdrift.world.cloth.layout import CURVES, FORCES, LANE_FIELDS, PLACES
 from kickdrift.world.contacts.layout import WIDTH
 
 
@@ -21,19 +22,20 @@ def _couple(damped: bool) -> Any:
         def place(field: int) -> Any:
             return builder.add(i, builder.mul(size, WORD(field)))
 
-        moving = range(6 if damped else 3)  # places, then speeds
-        own = [loaded(builder, fields, place(k)) for k in moving]
+        axes = range(3)
+        own = [loaded(builder, fields, place(PLACES + k)) for k in axes]
         zero = ir.Constant(VECTOR, None)
-        totals = [cgutils.alloca_once_value(builder, zero) for _ in moving]
+        totals = [cgutils.alloca_once_value(builder, zero) for _ in axes]
         with cgutils.for_range_slice(builder, first, last, WORD(1), intp=WORD) as (row, _):
             offset = builder.load(builder.gep(offsets, [row]))
             weight = same(builder, builder.load(builder.gep(weights, [row])))
-            for k in moving:
-                way = loaded(builder, fields, builder.add(place(k), offset)) - own[k]
+            for k in axes:
+                way = loaded(builder, fields, builder.add(place(PLACES + k), offset)) - own[k]
                 builder.store((Lanes(builder, builder.load(totals[k])) + weight * way).value, totals[k])
         sums = [Lanes(builder, builder.load(total)) for total in totals]
-        for k in moving[:3]:
-            builder.store(sums[k].value, vector_pointer(builder, fields, place(9 + k)), align=8)
+        changes = [sums[k] - loaded(builder, fields, place(CURVES + k)) for k in axes] if damped else []
+        for k in axes:
+            builder.store(sums[k].value, vector_pointer(builder, fields, place(CURVES + k)), align=8)
         places = ir.Constant(ir.VectorType(WORD, WIDTH), list(range(WIDTH)))
         skipped = builder.insert_element(ir.Constant(ir.VectorType(WORD, WIDTH), ir.Undefined), skip, ir.IntType(32)(0))
         zeros = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), None)
@@ -42,19 +44,18 @@ def _couple(damped: bool) -> Any:
         def fresh(number: Lanes) -> Lanes:
             return Lanes(builder, builder.select(anew, number.value, zero))
 
-        pulls = sums[:3]
+        pulls = sums
         if damped:
-            damping = same(builder, values[9])
-            pulls = [sums[k] + damping * sums[3 + k] for k in range(3)]
-        for k in range(3):
-            total = loaded(builder, fields, place(6 + k)) + fresh(same(builder, stiffness) * pulls[k])
-            builder.store(total.value, vector_pointer(builder, fields, place(6 + k)), align=8)
+            ahead = same(builder, values[9])
+            pulls = [sums[k] + ahead * changes[k] for k in axes]
+        for k in axes:
+            total = loaded(builder, fields, place(FORCES + k)) + fresh(same(builder, stiffness) * pulls[k])
+            builder.store(total.value, vector_pointer(builder, fields, place(FORCES + k)), align=8)
         if damped:
             added = begin_of(context, builder, signature.args[11], values[11])
-            first_of_all = [builder.add(values[10], builder.mul(size, WORD(k))) for k in range(3)]
+            first_of_all = [builder.add(values[10], builder.mul(size, WORD(PLACES + k))) for k in axes]
             origin = [same(builder, builder.load(builder.gep(fields, [index]))) for index in first_of_all]
-            arm, (a, b, c), (p, q, r) = [own[k] - origin[k] for k in range(3)], sums[:3], sums[3:]
-            u, v, w = arm
+            (u, v, w), (a, b, c), (p, q, r) = [own[k] - origin[k] for k in axes], sums, changes
             products = (
                 v * r - w * q, w * p - u * r, u * q - v * p, u * a, v * b, w * c, u * b, u * c, v * c,
             )  # fmt: skip
@@ -70,7 +71,7 @@ def _couple(damped: bool) -> Any:
         return types.none(fields, word, word, word, offsets, weights, word, word, real), generate
 
     @intrinsic
-    def couple_damped(context, fields, size, i, skip, offsets, weights, first, last, stiffness, damping, origin, sums):  # type: ignore[no-untyped-def]
+    def couple_damped(context, fields, size, i, skip, offsets, weights, first, last, stiffness, ahead, origin, sums):  # type: ignore[no-untyped-def]
         return types.none(fields, word, word, word, offsets, weights, word, word, real, real, word, sums), generate
 
     return couple_damped if damped else couple
@@ -86,12 +87,12 @@ def turn_lanes(context: Any, fields: Any, size: Any, i: Any, x: Any, y: Any, z: 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         fields, size, i = begin_of(context, builder, signature.args[0], values[0]), values[1], values[2]
         spin = [same(builder, value) for value in values[3:]]
-        place = [builder.add(i, builder.mul(size, WORD(k))) for k in range(12)]
-        curve = [loaded(builder, fields, place[9 + k]) for k in range(3)]
+        place = [builder.add(i, builder.mul(size, WORD(k))) for k in range(LANE_FIELDS)]
+        curve = [loaded(builder, fields, place[CURVES + k]) for k in range(3)]
         for k in range(3):
             m, n = (k + 1) % 3, (k + 2) % 3
-            force = loaded(builder, fields, place[6 + k]) - (spin[m] * curve[n] - spin[n] * curve[m])
-            builder.store(force.value, vector_pointer(builder, fields, place[6 + k]), align=8)
+            force = loaded(builder, fields, place[FORCES + k]) - (spin[m] * curve[n] - spin[n] * curve[m])
+            builder.store(force.value, vector_pointer(builder, fields, place[FORCES + k]), align=8)
         return context.get_dummy_value()
 
     return types.none(fields, types.int64, types.int64, types.float64, types.float64, types.float64), generate

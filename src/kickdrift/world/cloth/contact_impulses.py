@@ -2,12 +2,14 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, length, minus, plus, product, times
+from kickdrift.world.cloth.contact_lanes import resolve_lanes
 from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_NORMAL,
     CONTACT_FRICTION,
     FIRST_CONTACT,
     GROUND_VELOCITY,
+    IN_LANES,
     LAST_CONTACT,
     MOVES_BODY,
     PARTICLE_INVERSE_MASS,
@@ -17,6 +19,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     DISPLACEMENT,
@@ -53,37 +56,52 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         integers(world, CLOTH_CONTACT),
         floats(world, CLOTH_CONTACT_NUMBERS),
     )
+    particle = floats(world, PARTICLE)
+    row = cloths[cloth, FIRST_CONTACT]
+    while row < cloths[cloth, LAST_CONTACT]:
+        if contact[row, IN_LANES] != 0:
+            resolve_lanes(contact, numbers, particle, row, part, push)
+            row += WIDTH
+        else:
+            _resolve(world, row, part, push, left)
+            row += 1
+
+
+@compiled
+def _resolve(world: int, row: int, part: float, push: float, left: float) -> None:
+    """Resolve one contact."""
+    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     particle, motion = floats(world, PARTICLE), floats(world, MOTION)
-    for row in range(cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT]):
-        i, body = contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY]
-        n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
+    i, body, moves = contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY], contact[row, MOVES_BODY] != 0
+    n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
+    ground = vector_at(numbers, row, GROUND_VELOCITY)
+    if moves:
         turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm)
-        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), vector_at(numbers, row, GROUND_VELOCITY))
-        v = minus(vector_at(particle, i, PARTICLE_VELOCITY), ground)
-        gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
-        if gap < 0.0:
-            out = min(-gap, part * push)
-            gap += out
-            for k in range(3):
-                particle[i, k] += out * n[k]
-        wanted = -max(gap, 0.0) / part
-        numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
-        if approach >= wanted:
-            continue
-        inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
-        moves = contact[row, MOVES_BODY] != 0
-        given = (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
-        impulse = times(given, n)
-        slip = minus(v, times(approach, n))
-        speed = length(slip)
-        if speed > 0.0:
-            along = times(1.0 / speed, slip)
-            stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
-            impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
+        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
+    v = minus(vector_at(particle, i, PARTICLE_VELOCITY), ground)
+    gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
+    if gap < 0.0:
+        out = min(-gap, part * push)
+        gap += out
         for k in range(3):
-            particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k]
-        if moves:
-            _push_body(world, body, arm, times(-1.0, impulse), left)
+            particle[i, k] += out * n[k]
+    wanted = -max(gap, 0.0) / part
+    numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
+    if approach >= wanted:
+        return
+    inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
+    given = (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
+    impulse = times(given, n)
+    slip = minus(v, times(approach, n))
+    speed = length(slip)
+    if speed > 0.0:
+        along = times(1.0 / speed, slip)
+        stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
+        impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
+    for k in range(3):
+        particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k]
+    if moves:
+        _push_body(world, body, arm, times(-1.0, impulse), left)
 
 
 @compiled(inline=True)

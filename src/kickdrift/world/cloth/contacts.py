@@ -17,6 +17,7 @@ from kickdrift.world.cloth.layout import (
     FIRST_CONTACT,
     FIRST_PARTICLE,
     GROUND_VELOCITY,
+    IN_LANES,
     IS_ASLEEP,
     LAST_CONTACT,
     LAST_PARTICLE,
@@ -33,7 +34,7 @@ from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
 from kickdrift.world.collision.overlap_query import find_near
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT
+from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, WIDTH
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     AWAKE,
@@ -115,6 +116,21 @@ def find_contacts(world: int, h: float) -> None:
             if meets and not _find_on_shape(world, cloth, shape, h, count):
                 return
         cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
+        _group(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
+
+
+@compiled
+def _group(world: int, first: int, last: int) -> None:
+    """Mark the contacts, from one row to another, with which eight begin that can be resolved at once."""
+    contact = integers(world, CLOTH_CONTACT)
+    row = first
+    while row < last:
+        fits = row + WIDTH <= last
+        for k in range(row, row + WIDTH if fits else row):
+            fits = fits and contact[k, MOVES_BODY] == 0
+            fits = fits and (k == row or contact[k, TOUCHING_PARTICLE] > contact[k - 1, TOUCHING_PARTICLE])
+        contact[row, IN_LANES] = int(fits)
+        row += WIDTH if fits else 1
 
 
 @compiled
@@ -231,6 +247,8 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
     motion = floats(world, MOTION)
     moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
+    if contact[row, MOVES_BODY] == 0:
+        runs = plus(runs, moves)
     # The body has moved already, the particle has not: the gap is that where the substep began.
     numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
     for k in range(3):

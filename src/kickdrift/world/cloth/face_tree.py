@@ -30,11 +30,15 @@ class FaceTree(NamedTuple):
         Triangles, `TWIG` or `BRANCH`; nodes that come after all that is below.
     connected : (K,) array
         Whether its triangles are one piece.
+    neighbours : (P, 3) array
+        Pairs of nodes of one level, the earlier one first and sorted, and one that joins them to one piece, by sharing sides
+        with both: the second itself where that is enough.
     """
 
     items: Integers
     skips: Integers
     connected: Integers
+    neighbours: Integers
 
 
 def face_tree(mesh: ClothMesh) -> FaceTree:
@@ -60,13 +64,15 @@ def face_tree(mesh: ClothMesh) -> FaceTree:
         order = faces[np.argsort(centres[faces, axis], kind="stable")]
         waiting += [(order[len(order) // 2 :], depth + 1), (order[: len(order) // 2], depth + 1)]
     connected = np.ones(len(items), dtype=np.int64)
-    _mark_pieces(mesh, patches, np.array(levels), connected)
-    return FaceTree(np.array(items), np.array(skips), connected)
+    neighbours = _mark_pieces(mesh, patches, np.array(levels), connected)
+    return FaceTree(np.array(items), np.array(skips), connected, neighbours)
 
 
-def _mark_pieces(mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers) -> None:
-    """Mark nodes whose triangles are not one piece, a level at a time."""
-    count = len(mesh.triangles)
+def _mark_pieces(
+    mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers
+) -> Integers:
+    """Mark nodes whose triangles are not one piece, a level at a time, and return which of the others share sides."""
+    count, neighbours = len(mesh.triangles), [np.empty((0, 2), dtype=np.int64)]
     face, side = np.nonzero(mesh.sides != NONE)
     order = np.argsort(mesh.sides[face, side], kind="stable")
     pairs = face[order].reshape(-1, 2)
@@ -80,6 +86,24 @@ def _mark_pieces(mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: I
         pieces = connected_components(graph, directed=False)[1]
         for node, faces in own:
             connected[node] = int((pieces[faces] == pieces[faces[0]]).all())
+        beside = np.sort(of[pairs[(of[pairs] >= 0).all(axis=1)]], axis=1)
+        neighbours.append(beside[(beside[:, 0] != beside[:, 1]) & connected[beside].all(axis=1)])
+    return _joined(np.unique(np.concatenate(neighbours), axis=0), len(connected))
+
+
+def _joined(pairs: Integers, count: int) -> Integers:
+    """Return pairs, (P, 2), of so many nodes, and those that a third one joins; see `FaceTree`."""
+    both = np.concatenate((pairs, pairs[:, ::-1]))
+    both = both[np.lexsort((both[:, 1], both[:, 0]))]
+    starts = np.searchsorted(both[:, 0], np.arange(count + 1))
+    counts = np.diff(starts)[both[:, 1]]
+    first = np.repeat(starts[both[:, 1]], counts)
+    within = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
+    over = np.stack((np.repeat(both[:, 0], counts), both[first + within, 1], np.repeat(both[:, 1], counts)), axis=1)
+    direct = np.concatenate((pairs, pairs[:, 1:]), axis=1)
+    triples = np.concatenate((direct, over[over[:, 0] < over[:, 1]]))
+    _, kept = np.unique(triples[:, :2], axis=0, return_index=True)  # the first of each pair, which is direct if one is
+    return triples[kept]
 
 
 def owned(triangles: Integers) -> Integers:

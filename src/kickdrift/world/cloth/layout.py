@@ -32,6 +32,7 @@ from kickdrift.world.tables import (
     PARTICLE_WIND,
     PIN,
     PIN_NUMBERS,
+    TREE_NEIGHBOUR,
     ZONE,
     ZONE_NUMBERS,
 )
@@ -85,9 +86,8 @@ SPLIT_FROM = column(PARTICLE_REST)  # vertex of the cloth that it was one with; 
 # Fields of PARTICLE_LANES
 _LANES = Fields()
 PLACES = _LANES.field(3, "m")
-SPEEDS = _LANES.field(3, "m/s")
 FORCES = _LANES.field(3, "N")
-CURVES = _LANES.field(3, "1/m")  # force of bending over the stiffness
+CURVES = _LANES.field(3, "1/m")  # force of bending over the stiffness; where a part begins, as it was before
 LANE_FIELDS = _LANES.close()
 
 # PARTICLE_COUPLINGS
@@ -132,13 +132,16 @@ PIN_POSITION = column(PIN_NUMBERS, 3, "m")  # in the body
 TOUCHING_PARTICLE = column(CLOTH_CONTACT)
 TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1: the body takes the reaction
+IN_LANES = column(CLOTH_CONTACT)  # 1: it and the next seven are of different particles, and move no body
 
 # CLOTH_CONTACT_NUMBERS
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
 CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
-GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")  # of a surface that runs, beside that of its body
+GROUND_VELOCITY = column(
+    CLOTH_CONTACT_NUMBERS, 3, "m/s"
+)  # of the shape there; of a body that it moves, besides its own
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # what it is moved by in the drift, without a velocity
@@ -167,6 +170,11 @@ column(FACE_TURN, 6)  # its normal as it is, and as it is foreseen; zeros where 
 
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)
+NEIGHBOURS = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
+
+# TREE_NEIGHBOUR, of a node
+NEIGHBOUR = column(TREE_NEIGHBOUR)  # a later node of its level that is near it at rest
+BETWEEN = column(TREE_NEIGHBOUR)  # one that joins both to one piece; the neighbour itself where they share a side
 
 # CLOTH_SEARCH
 SEARCH_VALID = column(CLOTH_SEARCH)  # 0: pairs are to be sought anew
@@ -190,6 +198,11 @@ PAIR_DISTANCE = column(CLOTH_PAIR_NUMBERS, 1, "m")  # that is kept
 PAIR_FRICTION = column(CLOTH_PAIR_NUMBERS)
 PAIR_APART = column(CLOTH_PAIR_NUMBERS, 1, "m")  # when it was last looked at
 PAIR_SEEN = column(CLOTH_PAIR_NUMBERS, 1, "m")  # TRAVELLED then
+PAIR_LAID = column(CLOTH_PAIR_NUMBERS, 1, "m")  # TRAVELLED when what follows was found; `NOT_LAID`
+PAIR_GIVES = column(CLOTH_PAIR_NUMBERS, 1, "1/kg")  # velocity over impulse; zero where it takes none
+PAIR_WEIGHTS = column(CLOTH_PAIR_NUMBERS, 4)
+PAIR_NORMAL = column(CLOTH_PAIR_NUMBERS, 3)  # from the second to the first
+NOT_LAID = -1.0
 
 # ZONE
 IN_ZONE = column(ZONE)  # leads to the first particle of its zone

@@ -53,16 +53,16 @@ Floats = NDArray[np.float64]
 
 
 @compiled
-def add_membrane(world: int, cloth: int, part: float, share: float, begins: bool) -> None:
-    """Add a share of the forces of a cloth's membrane to those on its particles.
+def add_membrane(world: int, cloth: int, share: float, damped: float) -> None:
+    """Add `share` times the forces of a cloth's membrane to those on its particles, and `damped` times those of damping.
 
-    Damping is by the change of the strains in a part of a substep, s, of which none is known where the substep begins.
+    These are by the change of strains since the last time, over that time in s: `damped` is zero where that is not known.
     """
     numbers, own, group = floats(world, CLOTH_NUMBERS), integers(world, CLOTH), integers(world, FACE_GROUP)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     corners, rest, strain = flat_integers(world, FACE_GROUP), flat(world, GROUP_REST), flat(world, GROUP_STRAIN)
     stretch, shear = numbers[cloth, STRETCH], numbers[cloth, SHEAR]
-    ahead = 0.0 if begins else numbers[cloth, MEMBRANE_DAMPING] / part
+    ahead = damped * numbers[cloth, MEMBRANE_DAMPING]
     for g in range(own[cloth, FIRST_GROUP], own[cloth, LAST_GROUP]):
         begin, of, at = g * FACE_GROUP.width, group[g, RESTS] * GROUP_REST.width, g * GROUP_STRAIN.width
         if group[g, IN_ROWS] != 0:

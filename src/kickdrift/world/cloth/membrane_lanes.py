@@ -11,6 +11,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from kickdrift.world.cloth.lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, loaded, plus, same, vector_pointer
+from kickdrift.world.cloth.layout import FORCES, PLACES
 from kickdrift.world.contacts.layout import WIDTH
 
 Load = Callable[[int], Lanes]
@@ -56,7 +57,7 @@ def _add_membrane(in_rows: bool) -> Any:
             arrays = [begin_of(context, builder, signature.args[k], values[k]) for k in (0, 2, 4, 6)]
             fields, corners, rest, strain = arrays
             size, begin, of, at = values[1], values[3], values[5], values[7]
-            x = [[_read(builder, fields, size, k, corners, begin, c) for k in range(3)] for c in range(3)]
+            x = [[_read(builder, fields, size, PLACES + k, corners, begin, c) for k in range(3)] for c in range(3)]
             p, q = ([x[c][k] - x[0][k] for k in range(3)] for c in (1, 2))
             law = [same(builder, value) for value in values[8:]]
             on_b, on_c, strains = _membrane(
@@ -76,7 +77,7 @@ def _add_membrane(in_rows: bool) -> Any:
             ]
             for c in range(3):
                 for k in range(3):
-                    _add(builder, fields, size, 6 + k, corners, begin, c, pulls[c][k])
+                    _add(builder, fields, size, FORCES + k, corners, begin, c, pulls[c][k])
             return context.get_dummy_value()
 
         return types.none(

@@ -190,9 +190,11 @@ def _go_back(world: int, interval: float) -> None:
 def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: float) -> None:
     """Kick a cloth by its forces, and by the shapes that it touches."""
     share = 0.5 if begins or ends else 1.0
+    # That of damping is whole at the end, as nothing is known of changes where the next substep begins.
+    damped = 0.0 if begins else 1.0 / part
     fill_lanes(world, cloth)
-    add_membrane(world, cloth, part, share, begins)
-    add_bending(world, cloth, share)
+    add_membrane(world, cloth, share, damped)
+    add_bending(world, cloth, share, damped)
     _kick(world, cloth, part, share, begins, left)
     resolve_contacts(world, cloth, part, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED], left)
 

@@ -1,5 +1,7 @@
 """Impulses between the particles of cloths that touch each other."""
 
+from typing import Any
+
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.layout import (
@@ -7,9 +9,13 @@ from kickdrift.world.cloth.layout import (
     PAIR_APART,
     PAIR_DISTANCE,
     PAIR_FRICTION,
+    PAIR_GIVES,
     PAIR_KIND,
+    PAIR_LAID,
+    PAIR_NORMAL,
     PAIR_PARTICLES,
     PAIR_SEEN,
+    PAIR_WEIGHTS,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     TRAVELLED,
@@ -49,10 +55,14 @@ def resolve_pairs(world: int, part: float, push: float) -> None:
         if pair[row, PAIR_KIND] == CROSSING:
             untangle(world, row, part * push)
             continue
-        least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
-        if least < numbers[row, PAIR_DISTANCE] + ahead and not is_free(world, row):
-            numbers[row, PAIR_APART] = _resolve(world, row, part, push)
-            numbers[row, PAIR_SEEN] = travelled
+        if numbers[row, PAIR_LAID] != travelled:
+            least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
+            if not least < numbers[row, PAIR_DISTANCE] + ahead or is_free(world, row):
+                continue
+            _lay(world, row)
+            numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
+        if numbers[row, PAIR_GIVES] > 0.0:
+            _resolve(world, row, part, push)
 
 
 @compiled(inline=True)
@@ -76,8 +86,8 @@ def is_free(world: int, row: int) -> bool:
 
 
 @compiled
-def _resolve(world: int, row: int, part: float, push: float) -> float:
-    """Resolve a pair, and return how far apart it is."""
+def _lay(world: int, row: int) -> None:
+    """Find how a pair lies; it stays so while impulses change how its particles move on from there."""
     particle, numbers = floats(world, PARTICLE), floats(world, CLOTH_PAIR_NUMBERS)
     at = particles_of(world, row)
     p, a, b, c = at
@@ -89,21 +99,31 @@ def _resolve(world: int, row: int, part: float, push: float) -> float:
         vector_at(particle, c, 0),
     )
     apart = length(way)
-    v, shift = mixed(weights, particle, at, PARTICLE_VELOCITY), floats(world, PARTICLE_SHIFT)
-    shifted, gap = mixed(weights, shift, at, 0), apart - numbers[row, PAIR_DISTANCE]
-    moved = plus(times(part, v), shifted)
-    if not apart > 0.0 or _is_beside(world, row, weights, way) or (gap > 0.0 and gap * gap > dot(moved, moved)):
-        return apart
-    gives, n = mobility(world, at, weights), times(1.0 / apart, way)
-    if not gives > 0.0:
-        return apart
+    takes = apart > 0.0 and not _is_beside(world, row, weights, way)
+    numbers[row, PAIR_APART], numbers[row, PAIR_GIVES] = apart, mobility(world, at, weights) if takes else 0.0
+    for k in range(4):
+        numbers[row, PAIR_WEIGHTS + k] = weights[k]
+    for k in range(3):
+        numbers[row, PAIR_NORMAL + k] = way[k] / apart
+
+
+@compiled
+def _resolve(world: int, row: int, part: float, push: float) -> None:
+    """Give the particles of a pair the impulse that stops their approach, and a shift where they are too close."""
+    particle, shift, numbers = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT), floats(world, CLOTH_PAIR_NUMBERS)
+    at, weights = particles_of(world, row), _weights(numbers, row)
+    v, shifted = mixed(weights, particle, at, PARTICLE_VELOCITY), mixed(weights, shift, at, 0)
+    moved, gap = plus(times(part, v), shifted), numbers[row, PAIR_APART] - numbers[row, PAIR_DISTANCE]
+    if gap > 0.0 and gap * gap > dot(moved, moved):
+        return
+    n, gives = vector_at(numbers, row, PAIR_NORMAL), numbers[row, PAIR_GIVES]
     gap += dot(n, shifted)
     if gap < 0.0:
         out = min(-_SOFT * gap, part * push)
         add(world, PARTICLE_SHIFT, 0, at, weights, times(out / gives, n))
     approach, wanted = dot(n, v), -max(gap, 0.0) / part
     if approach >= wanted:
-        return apart
+        return
     given = (wanted - approach) / gives
     impulse = times(given, n)
     slip = minus(v, times(approach, n))
@@ -111,7 +131,16 @@ def _resolve(world: int, row: int, part: float, push: float) -> float:
     if speed > 0.0:
         impulse = minus(impulse, times(min(numbers[row, PAIR_FRICTION] * given, speed / gives) / speed, slip))
     add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
-    return apart
+
+
+@compiled(inline=True)
+def _weights(numbers: Any, row: int) -> Weights:
+    return (
+        numbers[row, PAIR_WEIGHTS],
+        numbers[row, PAIR_WEIGHTS + 1],
+        numbers[row, PAIR_WEIGHTS + 2],
+        numbers[row, PAIR_WEIGHTS + 3],
+    )
 
 
 @compiled

@@ -14,6 +14,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
 from kickdrift.world.cloth.layout import (
+    BETWEEN,
     CLOTH_FRICTION,
     CLOTH_RADIUS,
     CORNERS,
@@ -23,16 +24,21 @@ from kickdrift.world.cloth.layout import (
     IS_TANGLED,
     LAST_NODE,
     MEETS_ITSELF,
+    NEIGHBOUR,
+    NEIGHBOURS,
+    NOT_LAID,
     OWNED,
     PAIR_APART,
     PAIR_DISTANCE,
     PAIR_FRICTION,
     PAIR_KIND,
+    PAIR_LAID,
     PAIR_PARTICLES,
     PAIR_SEEN,
     SEARCH_AGE,
     SEARCH_VALID,
     SKIN,
+    TRAVELLED,
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.cloth.separation import are_apart, nearing
@@ -55,6 +61,7 @@ from kickdrift.world.tables import (
     PARTICLE,
     PARTICLE_BOUNDS,
     PARTICLE_REST,
+    TREE_NEIGHBOUR,
     ZONE,
     floats,
     integers,
@@ -86,7 +93,7 @@ def find_pairs(world: int, h: float, part: float) -> bool:
     if not speed < _FASTEST:
         return True
     sweep(world, part, _horizon(world, h, part, speed))
-    search[0, CROSSINGS] = 0.0
+    search[0, CROSSINGS] = search[0, TRAVELLED] = 0.0
     zone, own = integers(world, ZONE), integers(world, CLOTH)
     for i in range(rows(world, PARTICLE)):
         zone[i, IS_TANGLED] = 0
@@ -129,9 +136,11 @@ def _walk(world: int, a: int, b: int) -> bool:
         m, n = int(stack[top, 0]), int(stack[top, 1])
         same = a == b and m == n
         at = begin + m
-        if same and connected[at, IS_CONNECTED] != 0 and is_flat(normals, at, at):
+        if same and connected[at, IS_CONNECTED] != 0 and is_flat(normals, at, at, at):
             continue
         if not (same or _overlap(one, m, other, n)):
+            continue
+        if a == b and is_flat(normals, at, begin + n, at) and _are_one_piece(world, begin, m, n):
             continue
         left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
         if not left and not right:
@@ -145,6 +154,17 @@ def _walk(world: int, a: int, b: int) -> bool:
                     stack[top, 0], stack[top, 1] = k, o
                     top += 1
     return fits
+
+
+@compiled
+def _are_one_piece(world: int, begin: int, m: int, n: int) -> bool:
+    """Whether two nodes of a tree that begins in that row are one flat piece, with what joins them, as each of them is flat."""
+    node, near, normals = integers(world, CLOTH_TREE_NODE), integers(world, TREE_NEIGHBOUR), floats(world, NORMAL_TREE)
+    for k in range(node[begin + m, NEIGHBOURS], node[begin + m, NEIGHBOURS + 1]):
+        if near[k, NEIGHBOUR] == n:
+            flat: bool = is_flat(normals, begin + m, begin + n, begin + near[k, BETWEEN])
+            return flat
+    return False
 
 
 @compiled
@@ -240,7 +260,7 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
     for k in range(4):
         pair[row, PAIR_PARTICLES + k] = at[k]
     pair[row, PAIR_KIND], own[row, PAIR_DISTANCE] = kind, kept
-    own[row, PAIR_APART], own[row, PAIR_SEEN] = apart, 0.0
+    own[row, PAIR_APART], own[row, PAIR_SEEN], own[row, PAIR_LAID] = apart, 0.0, NOT_LAID
     own[row, PAIR_FRICTION] = math.sqrt(numbers[cloth, CLOTH_FRICTION] * numbers[other, CLOTH_FRICTION])
     return True
 

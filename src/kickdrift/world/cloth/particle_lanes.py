@@ -1,20 +1,11 @@
-"""Positions, velocities and forces of the particles of cloths, field by field, as vectors of lanes take them."""
+"""Positions and forces of the particles of cloths, field by field, as vectors of lanes take them."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
 from kickdrift.world.cloth.lanes import rows_to_fields
-from kickdrift.world.cloth.layout import (
-    BENDING_DAMPING,
-    FIRST_PARTICLE,
-    FORCES,
-    LANE_FIELDS,
-    LAST_PARTICLE,
-    PARTICLE_VELOCITY,
-    PLACES,
-    SPEEDS,
-)
+from kickdrift.world.cloth.layout import FIRST_PARTICLE, FORCES, LANE_FIELDS, LAST_PARTICLE, PLACES
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, PARTICLE, PARTICLE_LANES, flat, floats, integers, rows
+from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_LANES, flat, floats, integers, rows
 
 
 @compiled(inline=True)
@@ -25,18 +16,19 @@ def field_size(world: int) -> int:
 
 @compiled
 def fill_lanes(world: int, cloth: int) -> None:
-    """Copy the positions of the particles of a cloth, and their velocities if its bending is damped."""
-    own, damped = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)[cloth, BENDING_DAMPING] > 0.0
-    particle, fields, size = floats(world, PARTICLE), flat(world, PARTICLE_LANES), field_size(world)
+    """Copy the positions of the particles of a cloth."""
+    own, particle, fields, size = (
+        integers(world, CLOTH),
+        floats(world, PARTICLE),
+        flat(world, PARTICLE_LANES),
+        field_size(world),
+    )
     first, last = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
     for i in range(first, last - WIDTH + 1, WIDTH):
         rows_to_fields(particle, i, 0, fields, PLACES * size + i, size)
-        if damped:
-            rows_to_fields(particle, i, PARTICLE_VELOCITY, fields, SPEEDS * size + i, size)
     for i in range(last - (last - first) % WIDTH, last):
         for k in range(3):
             fields[(PLACES + k) * size + i] = particle[i, k]
-            fields[(SPEEDS + k) * size + i] = particle[i, PARTICLE_VELOCITY + k]
 
 
 @compiled(inline=True)

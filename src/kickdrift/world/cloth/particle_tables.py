@@ -20,7 +20,7 @@ _OF_PARTICLES = (
 )  # fmt: skip
 _OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_TURN
 OF_A_STEP = (
-    *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.CLOTH_PAIR,
+    *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR, t.CLOTH_PAIR,
     t.CLOTH_PAIR_NUMBERS, t.CLOTH_SEARCH, t.PARTICLE_LANES, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
 )  # fmt: skip
 
@@ -35,7 +35,7 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
         tables.resize(table, 0)
     tables.resize(t.PARTICLE_LANES, c.LANE_FIELDS * tables.count(t.PARTICLE))[:] = 0.0
     tables.array(t.STARTED_PARTICLE)[:] = tables.array(t.PARTICLE)  # where those that sleep are
-    for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE):
+    for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR):
         tables.resize(table, 0)
     tables.resize(t.CLOTH_SEARCH, 1)[:] = 0.0
     for cloth, mesh in zip(tables.array(t.CLOTH), meshes, strict=True):
@@ -46,7 +46,11 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
             nodes = tables.resize(table, last)[first:]
             nodes[:, SKIP], nodes[:, ITEM] = tree.skips, tree.items
             nodes[tree.items >= 0, ITEM] += cloth[c.FIRST_FACE]
-        tables.resize(t.CLOTH_TREE_NODE, last)[first:, c.IS_CONNECTED] = tree.connected
+        marks, count = tables.resize(t.CLOTH_TREE_NODE, last)[first:], tables.count(t.TREE_NEIGHBOUR)
+        marks[:, c.IS_CONNECTED] = tree.connected
+        ends = np.searchsorted(tree.neighbours[:, 0], np.arange(len(tree.items) + 1))
+        marks[:, c.NEIGHBOURS], marks[:, c.NEIGHBOURS + 1] = count + ends[:-1], count + ends[1:]
+        tables.resize(t.TREE_NEIGHBOUR, count + len(tree.neighbours))[count:] = tree.neighbours[:, 1:]
         _group(tables, cloth)
 
 

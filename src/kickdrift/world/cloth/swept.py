@@ -25,7 +25,6 @@ from kickdrift.world.cloth.layout import (
     SEARCH_AGE,
     SEARCH_HORIZON,
     SKIN,
-    TRAVELLED,
 )
 from kickdrift.world.collision.bvh import fit
 from kickdrift.world.columns import vector_at
@@ -68,7 +67,6 @@ def set_frame(world: int) -> float:
     mean = times(1.0 / count, total)
     for k in range(3):
         search[0, FRAME_VELOCITY + k] = mean[k]
-    search[0, TRAVELLED] = 0.0
     return math.sqrt(max(squares / count - dot(mean, mean), 0.0))
 
 
@@ -177,11 +175,11 @@ def _way(world: int, i: int, h: float) -> Vector:
 
 
 @compiled
-def is_flat(boxes: Any, m: int, n: int) -> bool:
-    """Whether all normals in two boxes are near one direction."""
-    x, u = min(boxes[m, 0], boxes[n, 0]), max(boxes[m, 3], boxes[n, 3])
-    y, v = min(boxes[m, 1], boxes[n, 1]), max(boxes[m, 4], boxes[n, 4])
-    z, w = min(boxes[m, 2], boxes[n, 2]), max(boxes[m, 5], boxes[n, 5])
+def is_flat(boxes: Any, m: int, n: int, o: int) -> bool:
+    """Whether all normals in three boxes are near one direction."""
+    x, u = min(boxes[m, 0], boxes[n, 0], boxes[o, 0]), max(boxes[m, 3], boxes[n, 3], boxes[o, 3])
+    y, v = min(boxes[m, 1], boxes[n, 1], boxes[o, 1]), max(boxes[m, 4], boxes[n, 4], boxes[o, 4])
+    z, w = min(boxes[m, 2], boxes[n, 2], boxes[o, 2]), max(boxes[m, 5], boxes[n, 5], boxes[o, 5])
     middle, half = (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), (0.5 * (u - x), 0.5 * (v - y), 0.5 * (w - z))
     size = math.sqrt(dot(middle, middle))
     across = abs(middle[0]) * half[0] + abs(middle[1]) * half[1] + abs(middle[2]) * half[2]

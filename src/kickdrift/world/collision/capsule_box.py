@@ -55,8 +55,10 @@ def _penetration(centre: Vector, axis: Vector, half: float, box: Vector) -> tupl
     normal, t, y
         Outward unit normal, the touching point centre + t axis of the segment, and that of the box.
 
-    Notes ----- The Minkowski difference is a polyhedron, whose faces are perpendicular to an axis of the box, or to an axis and
-    the segment: the nearest of these six pairs of faces gives the direction.
+    Notes
+    -----
+    The Minkowski difference is a polyhedron, whose faces are perpendicular to an axis of the box, or to an axis and the
+    segment: the nearest of these six pairs of faces gives the direction.
     """
     best, chosen = -math.inf, 0
     for i in range(3):

@@ -87,8 +87,10 @@ def separation_of_edges(
     apart : float
         The largest separation for any row.
 
-    Notes ----- Only pairs of edges that form a face of the Minkowski difference count: the arcs between the normals of their
-    adjacent faces, those of one negated, intersect on the unit sphere (Gregorius 2013, The Separating Axis Test between Convex
+    Notes
+    -----
+    Only pairs of edges that form a face of the Minkowski difference count: the arcs between the normals of their adjacent
+    faces, those of one negated, intersect on the unit sphere (Gregorius 2013, The Separating Axis Test between Convex
     Polyhedra).
     """
     best, best_a, best_b, normal, apart = -np.inf, count_a, count_b, (0.0, 0.0, 0.0), -np.inf

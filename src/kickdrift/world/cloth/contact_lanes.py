@@ -1,0 +1,93 @@
+"""Contacts of eight particles with shapes that they do not move, at once; see `kickdrift.world.cloth.contact_impulses`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from kickdrift.world.cloth.lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, plus, same, vector_pointer
+from kickdrift.world.cloth.layout import (
+    CLOTH_GAP,
+    CLOTH_NORMAL,
+    CONTACT_FRICTION,
+    GROUND_VELOCITY,
+    PARTICLE_VELOCITY,
+    TOUCHING_PARTICLE,
+)
+from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.transpose import transposed
+from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, PARTICLE
+
+_TINY = 1e-300
+
+
+@intrinsic
+def resolve_lanes(context: Any, contacts: Any, numbers: Any, particles: Any, row: Any, part: Any, push: Any) -> Any:
+    """Resolve eight contacts, from a row on, of different particles: mass does not matter where no body is moved."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        contacts, numbers, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
+        row, part, push = values[3], same(builder, values[4]), same(builder, values[5])
+        places = [_row_of(builder, contacts, row, lane) for lane in range(WIDTH)]
+        of_shape = [_fields(builder, numbers, _rows(builder, row), first) for first in (0, WIDTH)]
+        own = _fields(builder, particles, places, 0)
+
+        def number(column: int) -> Lanes:
+            return of_shape[column // WIDTH][column % WIDTH]
+
+        zero, n = Lanes(builder, ir.Constant(VECTOR, None)), [number(CLOTH_NORMAL + k) for k in range(3)]
+        v = [own[PARTICLE_VELOCITY + k] - number(GROUND_VELOCITY + k) for k in range(3)]
+        approach, gap = dot(n, v), number(CLOTH_GAP)
+        out = _larger(_smaller(zero - gap, part * push), zero)
+        gap += out
+        wanted = zero - _larger(gap, zero) / part
+        _put_gaps(builder, numbers, row, gap + part * _larger(approach, wanted))
+        more = _larger(wanted - approach, zero)
+        slip = [v[k] - approach * n[k] for k in range(3)]
+        speed = dot(slip, slip).root()
+        stopped = _smaller(number(CONTACT_FRICTION) * more, speed) / _larger(speed, same(builder, NUMBER(_TINY)))
+        for k in range(3):
+            own[k] = own[k] + out * n[k]
+            own[PARTICLE_VELOCITY + k] = own[PARTICLE_VELOCITY + k] + more * n[k] - stopped * slip[k]
+        touching = builder.fcmp_ordered(">", (more + out).value, zero.value)
+        any_of_them = builder.icmp_unsigned("!=", builder.bitcast(touching, ir.IntType(WIDTH)), ir.IntType(WIDTH)(0))
+        with builder.if_then(any_of_them):
+            for place, values_ in zip(places, transposed(builder, [field.value for field in own]), strict=True):
+                builder.store(values_, vector_pointer(builder, particles, place), align=8)
+        return context.get_dummy_value()
+
+    return types.none(contacts, numbers, particles, types.int64, types.float64, types.float64), generate
+
+
+def _row_of(builder: Any, contacts: Any, row: Any, lane: int) -> Any:
+    """Where the particle of a contact begins in its table."""
+    at = builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT.width))
+    particle = builder.load(builder.gep(contacts, [plus(builder, at, TOUCHING_PARTICLE)]))
+    return builder.mul(particle, WORD(PARTICLE.width))
+
+
+def _rows(builder: Any, row: Any) -> list[Any]:
+    """Where the numbers of eight contacts begin."""
+    return [builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT_NUMBERS.width)) for lane in range(WIDTH)]
+
+
+def _fields(builder: Any, table: Any, places: Sequence[Any], first: int) -> list[Lanes]:
+    """Return eight columns of eight rows, from the first on, as lanes."""
+    rows = [builder.load(vector_pointer(builder, table, plus(builder, place, first)), align=8) for place in places]
+    return [Lanes(builder, field) for field in transposed(builder, rows)]
+
+
+def _put_gaps(builder: Any, numbers: Any, row: Any, gaps: Lanes) -> None:
+    for lane, place in enumerate(_rows(builder, row)):
+        gap = builder.extract_element(gaps.value, ir.IntType(32)(lane))
+        builder.store(gap, builder.gep(numbers, [plus(builder, place, CLOTH_GAP)]))
+
+
+def _larger(a: Lanes, b: Lanes) -> Lanes:
+    return Lanes(a.builder, a.builder.select(a.builder.fcmp_ordered(">", a.value, b.value), a.value, b.value))
+
+
+def _smaller(a: Lanes, b: Lanes) -> Lanes:
+    return Lanes(a.builder, a.builder.select(a.builder.fcmp_ordered("<", a.value, b.value), a.value, b.value))
