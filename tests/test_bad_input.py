@@ -79,11 +79,30 @@ def _changes_x(x):
         ({"args": (1.0, np.nan)}, "must be finite"),
         ({"args": "k"}, "args='k' must be numbers"),
         ({"args": [[1.0]]}, "flat list"),
+        ({"x0": np.ma.masked_array([1.0], mask=[True])}, "it has masked entries"),
+        ({"v0": np.ma.masked_array([1.0], mask=[True])}, "it has masked entries"),
+        ({"args": np.ma.masked_array([1.0, 2.0], mask=[True, False])}, "it has masked entries"),
+        ({"t_eval": np.ma.masked_array([0.1, 0.2], mask=[True, False])}, "it has masked entries"),
     ],
 )
 def test_bad_arguments(change, says):
     with pytest.raises(ArgumentError, match=says):
         kd.solve(spring, **{**GOOD, **change})
+
+
+def test_a_stride_that_no_64_bits_hold_keeps_the_ends():
+    assert kd.solve(spring, **{**GOOD, "save_every": 2**63}).t.tolist() == list(GOOD["t_span"])
+
+
+@pytest.mark.filterwarnings("ignore::kickdrift.core.errors.InterpretedWarning")
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("x0", [1.0, [1.0]])
+def test_a_return_that_was_forgotten_is_said(x0, compiled):
+    def forgetful(x):
+        -x  # noqa: B018
+
+    with pytest.raises(ArgumentError, match="it returned None"):
+        kd.solve(forgetful, (0.0, 1.0), x0, np.zeros_like(x0), step=0.1, compile=compiled)
 
 
 @pytest.mark.parametrize(

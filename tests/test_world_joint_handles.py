@@ -1,5 +1,7 @@
 """What users do with joints: efforts, laws that are exchanged, pairs that pass through each other, and what cannot be."""
 
+import signal
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.scenes import worlds
 from kickdrift.world import tables
+from kickdrift.world.joints import registry
 from kickdrift.world.tables import ASKED_APART, EXCLUDED, POSE
 
 NAN, INF = float("nan"), float("inf")
@@ -292,6 +295,18 @@ def test_laws_are_read_as_they_were_given(part, flipped):
             assert getattr(hinge, other)() == (0.0 if other == "friction" else None)
     getattr(later, f"set_{part}")(nothing)
     assert getattr(later, part)() == nothing
+
+
+def test_bodies_wake_where_ctrl_c_comes_while_a_law_is_set(monkeypatch):
+    world = kd.World()
+    hinge = world.add_hinge(None, world.add_box((1, 1, 1), mass=1.0), anchor=(0, 0, 0), axis=(0, 0, 1))
+    write, woken = registry.write_law, []
+    monkeypatch.setattr(registry, "write_law", lambda *law: (write(*law), signal.raise_signal(signal.SIGINT)))
+    monkeypatch.setattr(registry.Joint, "wake", lambda joint: woken.append(joint))
+    with pytest.raises(KeyboardInterrupt):
+        hinge.set_drive(LAWS["drive"])
+    assert hinge.drive() == LAWS["drive"]
+    assert woken == [hinge]
 
 
 def test_the_drive_that_is_read_does_the_same_as_the_one_given():

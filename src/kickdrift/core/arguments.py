@@ -23,6 +23,8 @@ def reals(value: Any) -> Floats:
     """
     if has_unit(value):
         raise TypeError("it has a unit, which would be lost")
+    if np.ma.is_masked(value):
+        raise TypeError("it has masked entries, whose mask would be lost: fill them, or leave them out")
     try:
         given = np.asarray(value)
         if given.dtype.kind == "O" and any(member is None for member in given.flat):

@@ -13,6 +13,8 @@ from kickdrift.core.arguments import real, reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.room import check_kept
 
+_LONGEST_STRIDE = 2**62  # steps: no run has as many, and 64 bits count them
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -260,14 +262,14 @@ def _stride(save_every: int | None) -> int:
     stride = 1 if save_every is None else save_every
     if isinstance(stride, bool) or not isinstance(stride, int | np.integer) or stride < 1:
         raise ArgumentError(f"save_every={save_every!r} must be a positive whole number of steps.")
-    return int(stride)
+    return min(int(stride), _LONGEST_STRIDE)
 
 
 def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64]:
     try:
         times = reals(t_eval)
-    except TypeError:
-        raise ArgumentError(f"t_eval={t_eval!r} must be a list of times.") from None
+    except TypeError as error:
+        raise ArgumentError(f"t_eval={t_eval!r} must be a list of times: {error}.") from None
     if times.ndim != 1 or times.size == 0:
         raise ArgumentError(f"t_eval of shape {times.shape} must be a list of at least one time.")
     rounding = 1e-12 * abs(t1 - t0) + 4 * np.spacing(max(abs(t0), abs(t1)))

@@ -13,14 +13,14 @@ from numba.extending import overload
 
 def write_result(out: Any, result: Any) -> None:
     """Overwrite `out` with a number, or with an array, list or tuple that broadcasts to it."""
-    out[...] = _returned(result)
+    out[...] = np.asarray(returned(result))
 
 
-def _returned(value: Any) -> Any:
+def returned(value: Any) -> Any:
     """Refuse None, which NumPy converts to NaN: the function has no return statement, or lacks the argument `out`."""
     if value is None:
         raise TypeError("it returned None")
-    return np.asarray(value)
+    return value
 
 
 @overload(write_result, jit_options={"no_cpython_wrapper": True, "no_cfunc_wrapper": True})  # type: ignore[untyped-decorator]

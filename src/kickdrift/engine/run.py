@@ -11,6 +11,7 @@ from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch
 from kickdrift.engine.flows.layout import (
+    CHATTERING,
     CROWDED,
     EVALUATIONS,
     FAILED_CONTROL,
@@ -36,9 +37,13 @@ _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 _NO_STEP = {
     FAILED_CONTROL: (" The step control returned NaN, the motion was lost, or the step is lost to rounding beside t."),
     JAMMED: (
-        " No time passes between impacts or switches: bodies are jammed without clearance, a gap closes where its"
-        " gradient is zero, or the force on both sides of a switch points back to it. Leave some clearance, or use a"
-        " lower restitution."
+        " No time passes between impacts: bodies are jammed without clearance, or a gap closes where its gradient is"
+        " zero. Leave some clearance, or use a lower restitution."
+    ),
+    CHATTERING: (
+        " There the force on both sides of a switch leads back to it: the motion stays on it, as in dry friction at rest"
+        " or sliding control, and switches= only crosses. Give a force that is continuous there, such as tanh(v / 1e-3)"
+        " for the side, without switches; friction on a surface is kd.Impacts(..., friction=...)."
     ),
     NOT_HELD: (
         " A resting body cannot be kept on all its surfaces: they leave no room, or curve too much within a step."

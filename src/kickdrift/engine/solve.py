@@ -102,7 +102,8 @@ def solve(
     switches : callable, optional
         A function of the state, a number or an array, at whose zeros the force law changes: steps are cut there, so that the
         method keeps its order. The sides, 1 or -1, on which the step lies are appended to the ``params`` of the force;
-        discontinuous forces must use these, since a step looks beyond its end before it is cut.
+        discontinuous forces must use these, since a step looks beyond its end before it is cut. A run ends where the forces of
+        both sides lead back to a switch, as in dry friction at rest.
     step_control : optional
         What determines the size of each step: a step density, which is a function of the state, ``"distance"``,
         ``"acceleration"`` or ``"own"``, for reversible steps by `kickdrift.HairerSoderlind`; or an instance of that class,

@@ -85,9 +85,9 @@ def parameters(args: Sequence[float] | None) -> Floats:
     """
     try:
         params = np.atleast_1d(reals(() if args is None else args))
-    except TypeError:
+    except TypeError as error:
         raise ArgumentError(
-            f"args={args!r} must be numbers; the function gets them as the float array params."
+            f"args={args!r} must be numbers ({error}); the function gets them as the float array params."
         ) from None
     if params.ndim != 1:
         raise ArgumentError(f"args has shape {params.shape}; give a flat list of numbers.")

@@ -20,7 +20,7 @@ from kickdrift.core.errors import ArgumentError, InterpretedWarning, depth_of_ca
 from kickdrift.core.memory import read_only
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.function_key import Taken, taken_apart
-from kickdrift.engine.results import write_result
+from kickdrift.engine.results import returned, write_result
 from kickdrift.systems.problem import name_of
 
 Floats = NDArray[np.float64]
@@ -94,19 +94,20 @@ class Layout:
     n_args: int
     first: int
 
-    def statement(self, names: list[str], numbers: Mapping[str, Any], **others: str) -> str:
+    def statement(self, names: list[str], numbers: Mapping[str, Any], number: str = "", **others: str) -> str:
         """Return the source of the call of a function with these arguments, and with its numbers from the params.
 
-        Expressions in `others` replace the usual ones for arguments of these names.
+        A number that it returns goes through the function named `number`, if any. Expressions in `others` replace the usual
+        ones for arguments of these names.
         """
         views = {name: self._view(name) for name in names} | number_views(numbers, "params", self.first) | others
         call = f"function({', '.join(f'{name}={view}' for name, view in views.items())})"
         if "out" in names:
             return call
         if "i" in names:
-            return f"out[int(v[0])] = {call}"
+            return f"out[int(v[0])] = {number}({call})"
         if self.result == ():
-            return f"out[0] = {call}"
+            return f"out[0] = {number}({call})"
         return f"write_result({self._view('out')}, {call})"
 
     def _view(self, name: str) -> str:
@@ -202,7 +203,7 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
 def interpreted(function: Function, names: list[str], layout: Layout) -> Function:
     """Adapt a function for the interpreter."""
     python = getattr(function, "py_func", function)
-    return _adapted(layout.statement(names, {}), function=python, shaped=np.reshape)
+    return _adapted(layout.statement(names, {}, "returned"), function=python, shaped=np.reshape, returned=returned)
 
 
 @lru_cache(maxsize=256)

@@ -41,6 +41,8 @@ from kickdrift.scale.running import Runs
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
 
+_MOST_THREADS = 1024
+
 
 def solve_ensemble(
     problem: System | Problem | Callable[..., Any],
@@ -239,6 +241,8 @@ def _threads(threads: int | None) -> int:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or threads < 1:
         raise ArgumentError(f"threads={threads!r} must be a positive whole number.")
+    if threads > _MOST_THREADS:
+        raise ArgumentError(f"threads={threads!r} is more than any machine has cores; give {_MOST_THREADS} at most.")
     return int(threads)
 
 

@@ -47,7 +47,6 @@ from kickdrift.world.tables import (
     COLOURED,
     DELTA_POSE,
     FORCE,
-    FORESEEN,
     INERTIA,
     INVERSE_MASS,
     KICKED,
@@ -57,10 +56,12 @@ from kickdrift.world.tables import (
     MOTION,
     NOTED,
     POSE,
+    PREDICTED,
     RESTED,
     SETTINGS,
     STARTED_MOTION,
     STARTED_POSE,
+    STARTED_ROTATION,
     Table,
     Tables,
 )
@@ -72,7 +73,7 @@ Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
     POSE, MOTION, DELTA_POSE, INVERSE_MASS, INERTIA, LOAD, FORCE, KICKED, NOTED, RESTED, BODY, COLOURED, STARTED_POSE,
-    STARTED_MOTION, MEMBER, MEMBERSHIP, FORESEEN,
+    STARTED_MOTION, STARTED_ROTATION, MEMBER, MEMBERSHIP, PREDICTED,
 )  # fmt: skip
 
 

@@ -18,7 +18,6 @@ from kickdrift.core.vectors import (
     applied,
     dot,
     exponential,
-    is_scaled,
     minus,
     plus,
     product,
@@ -44,7 +43,6 @@ from kickdrift.world.layout import (
     INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
-    ISOTROPIC,
     KICKED_ANGULAR_VELOCITY,
     KICKED_VELOCITY,
     KINEMATIC,
@@ -63,63 +61,26 @@ from kickdrift.world.layout import (
     TURN_DAMPING,
     VELOCITY,
 )
-from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL, RESIDUAL
+from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
 from kickdrift.world.step_status import report_body
 from kickdrift.world.tables import (
-    BATCH,
     BODY,
     DELTA_POSE,
     FORCE,
     INERTIA,
     INVERSE_MASS,
-    JOINT_NUMBERS,
     KICKED,
     LOAD,
     MEMBER,
     MOTION,
     POSE,
     SETTINGS,
-    STARTED_JOINTS,
-    STARTED_MOTION,
-    STARTED_POSE,
     floats,
     integers,
     rows,
-    set_rows,
 )
 
 _SLOW = 1e-16  # square of the turn in a substep, rad^2, above which terms of second order exceed rounding
-
-
-@compiled
-def begin(t: float, h: float, world: int) -> None:
-    """Reset the displacements of the step, and save the state that a rollback restores.
-
-    Inertias are updated to orientations that the user has set, since contacts and joints need them before the kick.
-    """
-    delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
-    old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
-    member, kind = integers(world, MEMBER), integers(world, BODY)
-    inertia = floats(world, INERTIA)
-    set_rows(world, BATCH, 0)
-    floats(world, SETTINGS)[0, RESIDUAL] = 0.0
-    for body in range(rows(world, DELTA_POSE)):
-        member[body, 0] = body
-        turn = quaternion_at(pose, body, ORIENTATION)
-        if is_scaled(turn):  # users have written into it; the drift would normalise it too late, and only if it moves
-            turn = unit(turn)
-            for k in range(4):
-                pose[body, ORIENTATION + k] = turn[k]
-        if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, SPHERICAL] != ISOTROPIC:
-            follow_pose(world, body)
-        for k in range(8):
-            delta_pose[body, k] = 0.0
-            old_pose[body, k] = pose[body, k]
-            old_motion[body, k] = motion[body, k]
-    joints, old_joints = floats(world, JOINT_NUMBERS), floats(world, STARTED_JOINTS)
-    for joint in range(rows(world, STARTED_JOINTS)):
-        for k in range(JOINT_NUMBERS.width):
-            old_joints[joint, k] = joints[joint, k]
 
 
 @compiled

@@ -1,33 +1,117 @@
-"""Rollback: which body a world has lost to infinity, and back to where the step began."""
+"""Rollback: what there is when a step begins, and back to it, to the last bit; and which body a world has lost to infinity."""
 
 import numpy as np
 
+from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import LostBodyError
+from kickdrift.core.vectors import is_scaled, unit
 from kickdrift.world.cloth.motion import roll_back_cloths
 from kickdrift.world.collision.search_state import shapes_changed
+from kickdrift.world.columns import column, quaternion_at
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
-from kickdrift.world.layout import BODY_KIND, INVERSE_INERTIA, KINEMATIC, LOWER, MASS, UPPER
+from kickdrift.world.contacts.residual import LEFT
+from kickdrift.world.integration import follow_pose
+from kickdrift.world.layout import (
+    AWAKE,
+    BODY_KIND,
+    DYNAMIC,
+    INVERSE_INERTIA,
+    INVERSE_INERTIA_IN_WORLD,
+    ISOTROPIC,
+    KINEMATIC,
+    LEFT_POSE,
+    LEFT_TURN,
+    LOWER,
+    MASS,
+    ORIENTATION,
+    SPHERICAL,
+    SPIN,
+    TUMBLES,
+    UNSOLVED,
+    UPPER,
+)
+from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import (
+    BATCH,
     BODY,
     BOUNDS,
     CONTACT,
+    DELTA_POSE,
     INERTIA,
     INVERSE_MASS,
     JOINT_NUMBERS,
     KICKED,
-    LINK_NUMBERS,
     LOAD,
+    MEMBER,
     MOTION,
     POSE,
     RESTED,
+    SETTINGS,
     STARTED_JOINTS,
     STARTED_MOTION,
     STARTED_POSE,
+    STARTED_ROTATION,
     Tables,
+    floats,
+    integers,
+    rows,
+    set_rows,
 )
 
+# Columns of STARTED_ROTATION: those of other tables as they were when the step began
+STARTED_SPIN = column(STARTED_ROTATION, 3, "kg m^2/s")
+STARTED_LEFT_TURN = column(STARTED_ROTATION, 3, "rad/s")
+STARTED_LEFT_POSE = column(STARTED_ROTATION, 4)
+STARTED_INERTIA = column(STARTED_ROTATION, 6, "1/(kg m^2)")
+
 _FAR = 1e100  # m or m/s: as good as infinite
+
+
+@compiled
+def begin(t: float, h: float, world: int) -> None:
+    """Reset the displacements of the step, and save the state that a rollback restores.
+
+    Inertias are updated to orientations that the user has set, since contacts and joints need them before the kick.
+    """
+    delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
+    old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
+    member, kind = integers(world, MEMBER), integers(world, BODY)
+    inertia = floats(world, INERTIA)
+    set_rows(world, BATCH, 0)
+    floats(world, SETTINGS)[0, RESIDUAL] = 0.0
+    for body in range(rows(world, DELTA_POSE)):
+        member[body, 0] = body
+        turn = quaternion_at(pose, body, ORIENTATION)
+        if is_scaled(turn):  # users have written into it; the drift would normalise it too late, and only if it moves
+            turn = unit(turn)
+            for k in range(4):
+                pose[body, ORIENTATION + k] = turn[k]
+        if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, SPHERICAL] != ISOTROPIC:
+            follow_pose(world, body)
+        if kind[body, BODY_KIND] == DYNAMIC and inertia[body, SPHERICAL] == TUMBLES:
+            _keep_rotation(world, body)
+        for k in range(8):
+            delta_pose[body, k] = 0.0
+            old_pose[body, k] = pose[body, k]
+            old_motion[body, k] = motion[body, k]
+    joints, old_joints = floats(world, JOINT_NUMBERS), floats(world, STARTED_JOINTS)
+    for joint in range(rows(world, STARTED_JOINTS)):
+        for k in range(JOINT_NUMBERS.width):
+            old_joints[joint, k] = joints[joint, k]
+
+
+@compiled(inline=True)
+def _keep_rotation(world: int, body: int) -> None:
+    """Keep what a drift leaves of a body besides its pose and its motion."""
+    kept, kicked, inverse_mass = floats(world, STARTED_ROTATION), floats(world, KICKED), floats(world, INVERSE_MASS)
+    for k in range(3):
+        kept[body, STARTED_SPIN + k] = kicked[body, SPIN + k]
+        kept[body, STARTED_LEFT_TURN + k] = kicked[body, LEFT_TURN + k]
+    for k in range(4):
+        kept[body, STARTED_LEFT_POSE + k] = kicked[body, LEFT_POSE + k]
+    for k in range(6):
+        kept[body, STARTED_INERTIA + k] = inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k]
 
 
 def find_lost_body(tables: Tables, step: float, found: int) -> int:
@@ -69,19 +153,27 @@ def roll_back(tables: Tables) -> None:
     """Bring a world back to where the step began; shapes that were nowhere are sought again."""
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
-    tables.array(KICKED)[:] = (
-        0.0  # which orientations the drift left is forgotten, so that all of a body is found again
-    )
-    # Those of unequal moments are found again by the kick.
-    unknown = ~np.isfinite(tables.array(INVERSE_MASS)[:, :7]).all(axis=1)
-    tables.array(INVERSE_MASS)[unknown, 1:7] = tables.array(INERTIA)[unknown, INVERSE_INERTIA : INVERSE_INERTIA + 6]
+    _roll_back_rotations(tables)
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     roll_back_cloths(tables)
-    tables.array(LINK_NUMBERS)[:] = 0.0
+    tables.array(BODY)[:, UNSOLVED] &= LEFT - 1  # what was measured in this attempt
     tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED
     nowhere = ~np.isfinite(tables.array(BOUNDS)[:, LOWER : UPPER + 3]).all(axis=1)
     if nowhere.any():
         shapes_changed(tables, np.flatnonzero(nowhere))
+
+
+def _roll_back_rotations(tables: Tables) -> None:
+    """Bring back what a drift leaves of bodies besides their poses and motions: to the last bit, as after no drift."""
+    tumbles = (tables.array(BODY)[:, BODY_KIND] == DYNAMIC) & (tables.array(INERTIA)[:, SPHERICAL] == TUMBLES)
+    kept, kicked, inverse_mass = (tables.array(table) for table in (STARTED_ROTATION, KICKED, INVERSE_MASS))
+    for table, first, size, started in (
+        (kicked, SPIN, 3, STARTED_SPIN),
+        (kicked, LEFT_TURN, 3, STARTED_LEFT_TURN),
+        (kicked, LEFT_POSE, 4, STARTED_LEFT_POSE),
+        (inverse_mass, INVERSE_INERTIA_IN_WORLD, 6, STARTED_INERTIA),
+    ):
+        table[tumbles, first : first + size] = kept[tumbles, started : started + size]
 
 
 def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBodyError:

@@ -23,7 +23,7 @@ _OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.KERNEL_ADDRESSES
 # Tables that a step fills anew, with one row per body
 _OF_BODIES = (
     tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,
-    tables.MEMBER, tables.MEMBERSHIP,
+    tables.STARTED_ROTATION, tables.MEMBER, tables.MEMBERSHIP,
 )  # fmt: skip
 # Tables that a step fills anew, or the search for pairs when it is restarted
 _OF_A_STEP = (

@@ -11,12 +11,14 @@ from kickdrift.world.settings import (
     FAST_LOSS,
     FAST_TIME,
     FAST_TURN,
+    MISSED_BODY,
+    MISSED_TIME,
     STEP,
     SUBSTEPS,
     UNSOLVED_BODY,
     UNSOLVED_SINCE,
 )
-from kickdrift.world.step_status import LEFT_UNSOLVED, SAID, TURNS_TOO_FAST
+from kickdrift.world.step_status import LEFT_UNSOLVED, MISSES_CONTACT, SAID, TURNS_TOO_FAST
 from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 
 
@@ -27,7 +29,7 @@ def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
     compiled code does not return for it again; the world keeps it as well, since restoring a snapshot resets the tables.
     """
     tables.array(STEP_STATUS)[0, SAID] = found | said
-    for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast)):
+    for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast), (MISSES_CONTACT, _missed)):
         if found & ~said & bit:
             warnings.warn(sentence(tables, bodies), UnsolvedWarning, stacklevel=depth_of_caller())
 
@@ -39,6 +41,14 @@ def _unsolved(tables: Tables, bodies: Bodies) -> str:
         f"{bodies.words(int(row[UNSOLVED_BODY]))} rests on contacts that the solver has left unsolved since"
         f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual measures how fast. Use more"
         f" substeps, such as world.substeps = {2 * int(row[SUBSTEPS])}, or a smaller step than {row[STEP]:.3g} s."
+    )
+
+
+def _missed(tables: Tables, bodies: Bodies) -> str:
+    row = tables.array(SETTINGS)[0]
+    return (
+        f"{bodies.words(int(row[MISSED_BODY]))} was struck so often in the step to t={row[MISSED_TIME]:.4g} s that it may have"
+        f" passed through what it met there. Use a smaller step than {row[STEP]:.3g} s."
     )
 
 

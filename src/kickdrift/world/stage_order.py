@@ -13,7 +13,7 @@ from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.cloth.wind import calm
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
-from kickdrift.world.collision.missed import find_missed
+from kickdrift.world.collision.missed import drop_paths, find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.batching import find_batches
@@ -31,11 +31,12 @@ from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_i
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.events import note_touching
 from kickdrift.world.force_stage import begin_forces
-from kickdrift.world.integration import begin, drift, finish, flatten, kick
+from kickdrift.world.integration import drift, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.kinematics import follow_joints, measure_joints
 from kickdrift.world.joints.prepare import begin_joints, wake_joints
+from kickdrift.world.rollback import begin
 from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
 from kickdrift.world.step import STAGE
 
@@ -126,7 +127,8 @@ def word(uses: Uses) -> Word:
     after = (
         *when(uses.bounces or uses.is_fast, find_missed),
         measure,
-        *when(not uses.many, ask_again),
+        ask_again,
+        *when(uses.bounces or uses.is_fast, drop_paths),
         finish,
         store,
         *when(direct, measure_islands),

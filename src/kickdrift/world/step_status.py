@@ -23,6 +23,7 @@ REPEATED = column(STEP_STATUS)  # 1 if it is repeated because the sweeps had lef
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
 TURNS_TOO_FAST = 2  # joints have lost or gained energy, as bodies turn too far in a substep
+MISSES_CONTACT = 4  # a body may have passed what it met in a step, however often that was done again
 
 # Values of STATUS
 OK = 0

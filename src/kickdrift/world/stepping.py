@@ -33,9 +33,9 @@ from kickdrift.world.tables import (
     BODY,
     CLOTH,
     EVENTS,
-    FORESEEN,
     KERNEL_ADDRESSES,
     LOAD,
+    PREDICTED,
     SEARCH,
     SETTINGS,
     STEP_STATUS,
@@ -206,7 +206,7 @@ class DoesSteps:
         if status[step_status.MIDWAY]:
             roll_back(self.tables)
             status[[step_status.STATUS, step_status.REPEATED]] = step_status.OK, 0
-            self.tables.array(FORESEEN)[:], self.tables.array(SEARCH)[:, TRIES] = 0.0, 0
+            self.tables.array(PREDICTED)[:], self.tables.array(SEARCH)[:, TRIES] = 0.0, 0
         for table in without:
             self.tables.array(table)[:] = 0.0
         t0, first = self._counted

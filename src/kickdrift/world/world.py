@@ -224,8 +224,9 @@ class World(
         Warns
         -----
         UnsolvedWarning
-            Once if joints lose energy because bodies turn too far in a substep, and once if a body has rested for seconds on
-            contacts that the solver leaves unsolved; the message says what would help.
+            Once if joints lose energy because bodies turn too far in a substep, once if a body has rested for seconds on
+            contacts that the solver leaves unsolved, and once if a body may have passed through what it met; the message
+            says what would help.
 
         Examples
         --------

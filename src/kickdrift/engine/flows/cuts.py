@@ -18,6 +18,7 @@ from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
 from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CHANGES,
+    CHATTERING,
     CLOCK,
     DENSITY,
     END,
@@ -165,18 +166,31 @@ def closes_at_once(work: Floats) -> bool:
 
 
 @compiled
+def count_short(crosses: bool, work: Floats) -> None:
+    """Count a cut without time before it; fail where there are too many in a row."""
+    own = own_params(work)
+    own[SHORT] += 1.0
+    if own[SHORT] > _MOST_SHORT:
+        work[TROUBLE] = CHATTERING if crosses else JAMMED
+
+
+@compiled
 def opens_no_more(touches: float, work: Floats) -> bool:
     """Let gaps come to rest, or cross their switches, that touched at the start and closed again at once, if all have."""
     hit, switch, before, side = row_of(HIT, work), row_of(SWITCH, work), row_of(BEFORE, work), row_of(SIDE, work)
     for row in range(hit.size):
         if hit[row] != 0.0 and before[row] > (0.0 if switch[row] != 0.0 else touches):
             return False
+    passes = False
     for row in range(hit.size):
         if hit[row] != 0.0 and switch[row] != 0.0:
             side[row] *= -1.0
+            passes = True
         elif hit[row] != 0.0:
             row_of(RESTING, work)[row] = RESTS
         hit[row] = 0.0
+    if passes:
+        count_short(True, work)
     return True
 
 
@@ -230,7 +244,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         return
     if own[MODE] != LAST:
         gap = min(gap, least_slip(v, work))
-    cut = own[MODE] in (SEARCHING, LAST) or gap < 0.0
+    cut, crosses = own[MODE] in (SEARCHING, LAST) or gap < 0.0, False
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         if own[ROUNDS] == 0.0:
             own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work))
@@ -244,14 +258,16 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         hit, switch = row_of(HIT, work), row_of(SWITCH, work)
         for row in range(hit.size):
             if hit[row] != 0.0 and switch[row] != 0.0:
+                crosses = True
                 cross(row, t, x, v, params, work)
             if turned[row] != 0.0:
                 stop(row, t, x, v, work)
                 turned[row] = 0.0
         strike_all(t, x, v, params, work)
-        own[SHORT] = own[SHORT] + 1.0 if size < _SLIVER * abs(work[FIRST_STEP]) else 0.0
-        if own[SHORT] > _MOST_SHORT:
-            work[TROUBLE] = JAMMED
+    if cut and size < _SLIVER * abs(work[FIRST_STEP]):
+        count_short(crosses, work)
+    else:
+        own[SHORT] = 0.0
     if cut or something_rests(work):
         work[CHANGES] += 1.0
     let_go(work)

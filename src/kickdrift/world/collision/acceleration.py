@@ -29,6 +29,13 @@ def acceleration(world: int, body: int) -> Vector:
 
 
 @compiled(inline=True)
+def weight_per_mass(world: int, body: int) -> float:
+    """How strongly gravity, or forces if they are greater, press a body on what holds it, m/s^2."""
+    gravity = length(vector_at(floats(world, SETTINGS), 0, GRAVITY))
+    return max(gravity, length(acceleration(world, body)))
+
+
+@compiled(inline=True)
 def angular_acceleration(world: int, body: int) -> Vector:
     """Angular acceleration of a body by torques, rad/s^2."""
     torque = vector_at(floats(world, FORCE), body, SUBSTEP_TORQUE)

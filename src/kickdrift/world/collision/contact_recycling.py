@@ -7,8 +7,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import is_round, sort_of
-from kickdrift.world.collision.foresight import fastest_turn, is_foreseen, way_foreseen
-from kickdrift.world.collision.narrow_phase import look_again, placed_pose, smallest
+from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, smallest
+from kickdrift.world.collision.predicted_path import fastest_turn, has_change, way_on_path
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -62,22 +62,20 @@ def find_points(t: float, h: float, world: int) -> None:
         at_b, turn_b = placed_pose(world, b)
         at = turned_back(turn_a, minus(at_b, at_a))
         turn = product(conjugate(turn_a), turn_b)
-        way, foreseen = (
-            _way(world, row),
-            is_foreseen(world, contact[row, BODY_A]) or is_foreseen(world, contact[row, BODY_B]),
-        )
+        way = _way(world, row)
+        changes = has_change(world, contact[row, BODY_A]) or has_change(world, contact[row, BODY_B])
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
         if moved + way < manifold[row, RECYCLED] and (
             contact[row, POINTS] == 0 or moved <= _tolerance(world, a, b, contact[row, POINTS])
         ):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
-        if foreseen or way > _far(world, a, b):
+        if changes or way > _far(world, a, b):
             contact[row, CONTACT_STATE] |= FAST
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
         else:
-            look_again(world, row, at, turn, settings[0, MARGIN] + way)
+            find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
 
 
 @compiled(inline=True)
@@ -105,9 +103,9 @@ def _way(world: int, row: int) -> float:
     way: float = step * _closing_speed(world, row) + max(pushed - settings[0, MARGIN], 0.0)
     for side in range(2):
         body = integers(world, CONTACT)[row, BODY_A + side]
-        if is_foreseen(world, body):
+        if has_change(world, body):
             far = reach(floats(world, PLACE), integers(world, CONTACT)[row, SHAPE_A + side])
-            way += way_foreseen(world, body) + step * fastest_turn(world, body) * far
+            way += way_on_path(world, body) + step * fastest_turn(world, body) * far
     return way
 
 

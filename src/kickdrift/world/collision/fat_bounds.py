@@ -15,7 +15,7 @@ from kickdrift.world.collision.aabb import box_around
 from kickdrift.world.collision.acceleration import acceleration, angular_acceleration, reach
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
-from kickdrift.world.collision.foresight import IS_FORESEEN, KINK, WIDE, is_foreseen, path
+from kickdrift.world.collision.predicted_path import CHANGE_TIME, WIDE_BOUNDS, has_change, path
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -36,11 +36,11 @@ from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
-    FORESEEN,
     MOTION,
     MOVERS,
     PLACE,
     POSE,
+    PREDICTED,
     SETTINGS,
     SHAPE,
     floats,
@@ -66,7 +66,7 @@ def settle(world: int, shape: int, h: float) -> bool:
     """Give a shape that leaves its fat bounds in a step of h new ones; return whether it does."""
     box, slack, way = _box_in_step(world, shape, h)
     bounds = floats(world, BOUNDS)
-    wide = floats(world, FORESEEN)[integers(world, SHAPE)[shape, BODY_ROW], IS_FORESEEN] == WIDE
+    wide = floats(world, PREDICTED)[integers(world, SHAPE)[shape, BODY_ROW], WIDE_BOUNDS] != 0.0
     if _holds(bounds, shape, box) and not wide:
         return False
     for k in range(3):
@@ -80,16 +80,18 @@ def settle(world: int, shape: int, h: float) -> bool:
 
 @compiled
 def _box_of_path(world: int, shape: int, body: int, margin: float) -> Box:
-    """Return the box of a shape on the path of its body, which has a kink, however it turns."""
-    foreseen, far = floats(world, FORESEEN), reach(floats(world, PLACE), shape) + margin
-    kink, at, bounds = foreseen[body, KINK], vector_at(floats(world, POSE), body, POSITION), floats(world, BOUNDS)
+    """Return the box of a shape on the path of its body, however it turns, and of its fat bounds: no pair of before goes."""
+    predicted, far = floats(world, PREDICTED), reach(floats(world, PLACE), shape) + margin
+    change, bounds = predicted[body, CHANGE_TIME], floats(world, BOUNDS)
+    at = vector_at(floats(world, POSE), body, POSITION)
     box = (at[0], at[1], at[2], at[0], at[1], at[2])
-    for when in (0.999999 * kink, kink, floats(world, SETTINGS)[0, STEP]):
+    # The two parts of the path need not meet where the velocity changes: just before that is where the first one ends.
+    for when in (0.999999 * change, change, floats(world, SETTINGS)[0, STEP]):
         at, _ = path(world, body, when)
         box = box_around(box, (at[0], at[1], at[2], at[0], at[1], at[2]))
     box = (box[0] - far, box[1] - far, box[2] - far, box[3] + far, box[4] + far, box[5] + far)
     own = vector_at(bounds, shape, LOWER), vector_at(bounds, shape, UPPER)
-    return box_around(box, (own[0][0], own[0][1], own[0][2], own[1][0], own[1][1], own[1][2]))  # no pair of before goes
+    return box_around(box, (own[0][0], own[0][1], own[0][2], own[1][0], own[1][1], own[1][2]))
 
 
 @compiled
@@ -152,7 +154,7 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     bulge = length(arm) * min(0.5 * angle * angle + gained, 2.0)
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
     margin = min(settings[0, MARGIN], size) + bulge
-    if is_foreseen(world, body):
+    if has_change(world, body):
         return _box_of_path(world, shape, body, margin), min(_SLACK, size), (0.0, 0.0, 0.0)
     grown = (
         at[0] + max(box[0] - sway, -size_about) + min(way[0], 0.0) - margin,

@@ -1,8 +1,8 @@
 """Contacts that were missed: what an impact makes fast within a step may meet what the search before it did not expect.
 
-At the end of a step it is known who was elsewhere than expected, by more than the margin of the search. Where one of them may
-have met a shape of which the step had no points, the step is done again, and the search knows then how these bodies move. What
-was found once stays found, so that each time more is known.
+At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search. Where one of
+them may have met a shape of which the step had no points, the step is done again, and the search knows then how these bodies
+move. What was found once stays found, so that each time more is known. What is missed after the last attempt is said.
 """
 
 from kickdrift.core.compilation import compiled
@@ -12,11 +12,20 @@ from kickdrift.world.collision.acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.foresight import OFF, TURNED_FARTHER, foresee, forget, surprise
 from kickdrift.world.collision.narrow_phase import smallest
+from kickdrift.world.collision.predicted_path import POSITION_ERROR, TURN_ERROR, drop_path, note_path, prediction_error
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR, SHAPE_A, SHAPE_B, TRIANGLE_INDEX
+from kickdrift.world.contacts.layout import (
+    BODY_A,
+    BODY_B,
+    CONTACT_STATE,
+    POINTS,
+    SENSOR,
+    SHAPE_A,
+    SHAPE_B,
+    TRIANGLE_INDEX,
+)
 from kickdrift.world.layout import (
     AWAKE,
     BEGIN,
@@ -34,21 +43,21 @@ from kickdrift.world.layout import (
     POSITION,
     RADIUS,
 )
-from kickdrift.world.settings import MARGIN
+from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
-from kickdrift.world.step_status import BEGIN_AGAIN, OK, STATUS, ask_for_room
+from kickdrift.world.step_status import BEGIN_AGAIN, MISSES_CONTACT, OK, STATUS, WARNING, ask_for_room
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
     CONTACT,
-    FORESEEN,
     GEOMETRY,
     MOVERS,
     PLACE,
     PLACED,
     PLANES,
     POSE,
+    PREDICTED,
     SCRATCH,
     SEARCH,
     SETTINGS,
@@ -71,46 +80,57 @@ _MOST = 8  # times that a step is done again
 @compiled
 def find_missed(t: float, h: float, world: int) -> None:
     """Ask for the step to be done again if it has missed a contact."""
-    search, status = integers(world, SEARCH), integers(world, STEP_STATUS)
-    any_off = _find_surprised(h, world)
-    if any_off and search[0, TRIES] < _MOST:
-        size = rows(world, SHAPE) + rows(world, TRIANGLE_TREE) + 2
-        if room(world, SCRATCH) < size:
-            ask_for_room(world, SCRATCH, size)
-            return
-        if _misses(world):
-            for body in range(rows(world, BODY)):
-                if floats(world, FORESEEN)[body, OFF] > 0.0 or floats(world, FORESEEN)[body, TURNED_FARTHER] > 0.0:
-                    foresee(h, world, body)
-            search[0, TRIES] += 1
-            if status[0, STATUS] == OK:
-                status[0, STATUS] = BEGIN_AGAIN
-            return
+    search, status, settings = integers(world, SEARCH), integers(world, STEP_STATUS), floats(world, SETTINGS)
+    if not _find_errors(h, world):
+        return
+    size = rows(world, SHAPE) + rows(world, TRIANGLE_TREE) + 2
+    if room(world, SCRATCH) < size:
+        ask_for_room(world, SCRATCH, size)
+        return
+    missed = _find_body(world)
+    if missed < 0:
+        return
+    if search[0, TRIES] == _MOST:
+        if status[0, WARNING] & MISSES_CONTACT == 0:
+            settings[0, MISSED_BODY], settings[0, MISSED_TIME] = missed, t
+            status[0, WARNING] |= MISSES_CONTACT
+        return
     for body in range(rows(world, BODY)):
-        forget(world, body)
-    search[0, TRIES] = 0
+        if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0 or floats(world, PREDICTED)[body, TURN_ERROR] > 0.0:
+            note_path(h, world, body)
+    search[0, TRIES] += 1
+    if status[0, STATUS] == OK:
+        status[0, STATUS] = BEGIN_AGAIN
 
 
 @compiled
-def _find_surprised(h: float, world: int) -> bool:
+def drop_paths(t: float, h: float, world: int) -> None:
+    """Know no more of bodies than how they begin the next step, once nothing asks for this one to be done again."""
+    for body in range(rows(world, BODY)):
+        drop_path(world, body)
+    integers(world, SEARCH)[0, TRIES] = 0
+
+
+@compiled
+def _find_errors(h: float, world: int) -> bool:
     """Note how far bodies are from where they were expected; return whether any is by as much as contacts are sought."""
-    body, foreseen, found = integers(world, BODY), floats(world, FORESEEN), False
+    body, predicted, found = integers(world, BODY), floats(world, PREDICTED), False
     margin = floats(world, SETTINGS)[0, MARGIN]
     for row in range(rows(world, BODY)):
-        foreseen[row, OFF], foreseen[row, TURNED_FARTHER] = 0.0, 0.0
+        predicted[row, POSITION_ERROR], predicted[row, TURN_ERROR] = 0.0, 0.0
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
-        off, farther = surprise(h, world, row)
+        off, farther = prediction_error(h, world, row)
         # What differs by less may be its rounding, or the bend of its path.
-        foreseen[row, OFF] = off if off > 0.1 * margin else 0.0
-        foreseen[row, TURNED_FARTHER] = farther
+        predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
+        predicted[row, TURN_ERROR] = farther
         found = found or off > 0.5 * margin or farther > 0.1
     return found
 
 
 @compiled
-def _misses(world: int) -> bool:
-    """Whether a shape that was not where it was expected has come to one with which the step had no points."""
+def _find_body(world: int) -> int:
+    """Return a body that was not where it was expected and has come to a shape with which the step had no points, or -1."""
     contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
     for row in range(rows(world, CONTACT)):
         if contact[row, POINTS] != 0 or contact[row, CONTACT_STATE] & SENSOR != 0:
@@ -118,8 +138,10 @@ def _misses(world: int) -> bool:
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
         # Who has come less deep into another shape than half of its size is pushed out again.
         far = max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
-        if _off(world, a) + _off(world, b) > far and _may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
-            return True
+        of_a, of_b = _off(world, a), _off(world, b)
+        if of_a + of_b > far and _may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
+            missed: int = contact[row, BODY_A if of_a > of_b else BODY_B]
+            return missed
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
@@ -131,17 +153,18 @@ def _misses(world: int) -> bool:
         for j in range(3):
             known = known and bounds[shape, j] <= box[j] and box[3 + j] <= bounds[shape, 3 + j]
         if not known and _meets_unknown(world, shape, box):
-            return True
-    return False
+            own: int = integers(world, SHAPE)[shape, BODY_ROW]
+            return own
+    return -1
 
 
 @compiled(inline=True)
 def _off(world: int, shape: int) -> float:
     """Bound how far a point of a shape is from where it was expected."""
-    foreseen, body = floats(world, FORESEEN), integers(world, SHAPE)[shape, BODY_ROW]
-    off: float = foreseen[body, OFF]
-    if foreseen[body, TURNED_FARTHER] > 0.0:
-        off += foreseen[body, TURNED_FARTHER] * reach(floats(world, PLACE), shape)
+    predicted, body = floats(world, PREDICTED), integers(world, SHAPE)[shape, BODY_ROW]
+    off: float = predicted[body, POSITION_ERROR]
+    if predicted[body, TURN_ERROR] > 0.0:
+        off += predicted[body, TURN_ERROR] * reach(floats(world, PLACE), shape)
     return off
 
 

@@ -102,7 +102,7 @@ def placed_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
 
 
 @compiled
-def look_again(world: int, row: int, at: Vector, turn: Quaternion, margin: float) -> None:
+def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: float) -> None:
     """Find the manifold of a contact, for a pose of the second shape in the first's frame, and keep impulses."""
     contact, manifold, numbers = integers(world, CONTACT), flat(world, MANIFOLD), flat(world, GEOMETRY)
     shape = integers(world, SHAPE)

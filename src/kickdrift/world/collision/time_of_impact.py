@@ -26,8 +26,8 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.foresight import fastest_turn, next_kink, path, velocity_then
-from kickdrift.world.collision.narrow_phase import look_again, placed_pose, radius, smallest
+from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, radius, smallest
+from kickdrift.world.collision.predicted_path import fastest_turn, next_change, path, velocity_then
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -92,14 +92,14 @@ def _advance(world: int, row: int, way: float) -> None:
     when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
-        look_again(world, row, at, turn, settings[0, MARGIN] + way)
+        find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
         if contact[row, POINTS] == 0:
             if not on_surface or when >= step:
                 return
             # Off its face a triangle leaves contacts to its neighbours, however near they are: go on to its plane, and past.
             gap, normal = _gap_of_plane(world, row, at)
             closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
-            until = next_kink(world, b, when, next_kink(world, a, when, step))
+            until = next_change(world, b, when, next_change(world, a, when, step))
             if gap < -2.0 * place[contact[row, SHAPE_B], RADIUS]:
                 return
             stride = _PART * place[contact[row, SHAPE_B], RADIUS] / max(abs(closing) + step * pushed, 1e-150)
@@ -108,7 +108,7 @@ def _advance(world: int, row: int, way: float) -> None:
         gap, normal = _deepest(world, row, at, turn)
         closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
         left = _until(gap, closing, pushed)
-        until = next_kink(world, b, when, next_kink(world, a, when, step))
+        until = next_change(world, b, when, next_change(world, a, when, step))
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
         when = min(when + left, until)

@@ -7,7 +7,7 @@ from kickdrift.world.batch import AFTER_MEMBER, FIRST_MEMBER, WEIGHT
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
-from kickdrift.world.layout import BODY_KIND, STATIC
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, integers, room, rows, set_rows
 
@@ -18,6 +18,9 @@ ISLAND_WEIGHT = column(MEMBERSHIP)  # for the first body of an island: the numbe
 # Bodies and contacts, of some 900 bytes each: what a substep reads of them fits into half a megabyte.
 _MOST = 512
 FEW = 1000  # bodies, up to which a whole world fits into the cache
+CROWD = (
+    256  # free bodies, up to which heaps may be solved directly, and ask for the step to be done again: not in batches
+)
 
 
 @compiled
@@ -27,6 +30,11 @@ def find_batches(t: float, h: float, world: int) -> None:
         ask_for_room(world, BATCH, rows(world, BODY))
         return
     contact, body, own = integers(world, CONTACT), integers(world, BODY), integers(world, MEMBERSHIP)
+    free = 0
+    for row in range(rows(world, BODY)):
+        free += body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0
+    if free <= CROWD:
+        return
     for row in range(rows(world, BODY)):
         own[row, OWN_BATCH], own[row, ISLAND_WEIGHT] = row, 0
     for row in range(rows(world, CONTACT)):

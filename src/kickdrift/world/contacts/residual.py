@@ -1,12 +1,13 @@
 """The residual of the sweeps: the normal speed of loaded points after a step."""
 
-import math
-
 from numba import carray
 
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import length
+from kickdrift.world.collision.acceleration import weight_per_mass
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import KERNEL
@@ -31,8 +32,8 @@ from kickdrift.world.tables import (
 _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
-# Residuals above _NOTED times the velocity that gravity adds in a step are noted, and above _FAR times that they are far too
-# large. Bodies faster than _CALM times the residual are not at rest anyway, and are not marked.
+# Residuals above _NOTED times the velocity that gravity and forces add in a step are noted, and above _FAR times that they are
+# far too large. Bodies faster than _CALM times the residual are not at rest anyway, and are not marked.
 _NOTED, _FAR, _CALM = 0.01, 30.0, 10.0
 
 # Bits of UNSOLVED above its count: in this step the residual of a body was noted; was far too large; or the body has contacts
@@ -48,7 +49,8 @@ def measure(t: float, h: float, world: int) -> None:
     groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
     lanes, kernels, bodies = flat(world, LANES), integers(world, KERNEL_ADDRESSES), flat_integers(world, GROUPS)
     scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
-    most, noted, n = floats(world, SETTINGS)[0, RESIDUAL], _noted(h, world), kernels[0, c.LANE_COUNT]
+    most, n = floats(world, SETTINGS)[0, RESIDUAL], kernels[0, c.LANE_COUNT]
+    least = _NOTED * h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY))
     for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.FIRST_GROUP]):
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
@@ -56,10 +58,12 @@ def measure(t: float, h: float, world: int) -> None:
         for lane in range(n):
             left = scratch[MARK * _W + lane]
             most = max(most, left)
-            if left > noted:
+            if left > least:
+                a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_A + _W + lane]
+                noted = _NOTED * h * max(weight_per_mass(world, a), weight_per_mass(world, b))
                 for side in range(2):
                     row = groups[g, c.BODIES_A + _W * side + lane]
-                    if _is_slow(world, row, _CALM * left):
+                    if left > noted > 0.0 and _is_slow(world, row, _CALM * left):
                         body[row, UNSOLVED] |= LEFT | FAR_LEFT if left > _FAR * noted else LEFT
     for g in range(colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
         for lane in range(_W):
@@ -67,15 +71,6 @@ def measure(t: float, h: float, world: int) -> None:
                 body[groups[g, c.BODIES_A + lane], UNSOLVED] |= TOUCHES
                 body[groups[g, c.BODIES_B + lane], UNSOLVED] |= TOUCHES
     floats(world, SETTINGS)[0, RESIDUAL] = most
-
-
-@compiled(inline=True)
-def _noted(h: float, world: int) -> float:
-    """Return the residual above which it is noted, m/s; infinite without gravity."""
-    settings = floats(world, SETTINGS)
-    x, y, z = settings[0, GRAVITY], settings[0, GRAVITY + 1], settings[0, GRAVITY + 2]
-    gravity = math.sqrt(x * x + y * y + z * z)
-    return _NOTED * h * gravity if gravity > 0.0 else math.inf
 
 
 @compiled(inline=True)

@@ -21,8 +21,8 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus
 from kickdrift.world.collision.acceleration import acceleration, angular_acceleration
-from kickdrift.world.collision.foresight import STRUCK
 from kickdrift.world.collision.narrow_phase import smallest
+from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
@@ -36,11 +36,11 @@ from kickdrift.world.tables import (
     BOUNCING,
     COLOURS,
     CONTACT,
-    FORESEEN,
     IMPACT,
     KICKED,
     MANIFOLD,
     PLACE,
+    PREDICTED,
     SETTINGS,
     floats,
     integers,
@@ -83,16 +83,16 @@ def _mark_struck(world: int) -> bool:
 
     Their other contacts must stop them at the time of impact, before they have passed: the sweeps act too late.
     """
-    contact, foreseen, found = integers(world, CONTACT), floats(world, FORESEEN), False
+    contact, predicted, found = integers(world, CONTACT), floats(world, PREDICTED), False
     for row in range(rows(world, CONTACT)):
         found = found or _strikes(world, row)
     if not found:
         return False
-    for body in range(rows(world, FORESEEN)):
-        foreseen[body, STRUCK] = 0.0
+    for body in range(rows(world, PREDICTED)):
+        predicted[body, STRUCK] = 0.0
     for row in range(rows(world, CONTACT)):
         if _strikes(world, row):
-            foreseen[contact[row, c.BODY_A], STRUCK] = foreseen[contact[row, c.BODY_B], STRUCK] = 1.0
+            predicted[contact[row, c.BODY_A], STRUCK] = predicted[contact[row, c.BODY_B], STRUCK] = 1.0
     return True
 
 
@@ -111,10 +111,10 @@ def _strikes(world: int, row: int) -> bool:
 @compiled(inline=True)
 def _is_struck(world: int, row: int) -> bool:
     """Whether a body of a contact is movable and marked by `_mark_struck`."""
-    contact, foreseen = integers(world, CONTACT), floats(world, FORESEEN)
+    contact, predicted = integers(world, CONTACT), floats(world, PREDICTED)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    struck: bool = (is_moved(world, a) and foreseen[a, STRUCK] != 0.0) or (
-        is_moved(world, b) and foreseen[b, STRUCK] != 0.0
+    struck: bool = (is_moved(world, a) and predicted[a, STRUCK] != 0.0) or (
+        is_moved(world, b) and predicted[b, STRUCK] != 0.0
     )
     return struck
 

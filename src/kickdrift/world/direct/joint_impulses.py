@@ -84,7 +84,7 @@ def end_joint(joint: int, link: int, h: float, world: int) -> None:
     for k in range(6):
         numbers[joint, SOLVED + k] = numbers[joint, JOINT_IMPULSE + k]
     if integers(world, JOINT)[joint, LAWS] != 0:
-        end_laws(joint, link, h, world)
+        end_laws(joint, h, world)
 
 
 @compiled(cached=False)

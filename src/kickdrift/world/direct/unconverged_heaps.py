@@ -11,8 +11,10 @@ of ten cubes, each 1.5 times as large as the one below, leans so far that it fal
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
+from kickdrift.world.collision.acceleration import acceleration, weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.batching import CROWD
 from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
 from kickdrift.world.direct.node_selection import moves
 from kickdrift.world.disjoint_sets import first_of, unite
@@ -29,10 +31,11 @@ from kickdrift.world.layout import (
     LINK_PLACE,
     UNSOLVED,
 )
-from kickdrift.world.settings import GRAVITY, HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
+from kickdrift.world.settings import HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.step_status import BEGIN_AGAIN, LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, REPEATED, STATUS, WARNING
 from kickdrift.world.tables import (
+    BATCH,
     BODY,
     CONTACT,
     GRAPH,
@@ -51,13 +54,14 @@ from kickdrift.world.tables import (
 # comes to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 
-# Of the reach of a body: if gravity moves it by more in a step, its heap does not wait. Sweeps let a tower of five cubes of 5
-# mm sink by a quarter of an edge in the first step and by 0.7 in six, where cubes pass each other; one of 2 cm by a tenth.
+# Of the reach of a body: if gravity and forces move it by more in a step, its heap does not wait. Sweeps let a tower of five
+# cubes of 5 mm sink by a quarter of an edge in the first step and by 0.7 in six, where cubes pass each other; one of 2 cm by a
+# tenth.
 _FALL = 0.25
 
-# Bodies of a heap that a direct solution is worth, and free bodies of a world: a pile of 1000 boxes falls apart into small
-# heaps, which would take thirty times as long. And the count of those that are solved directly.
-LARGEST, _CROWD, _FOUND = 64, 256, 1 << 16
+# Bodies of a heap that a direct solution is worth, in worlds of up to CROWD free bodies: a pile of 1000 boxes falls apart into
+# small heaps, which would take thirty times as long. And the count of those that are solved directly.
+LARGEST, _FOUND = 64, 1 << 16
 
 # Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution. 1024
 # cubes that fall into a heap are for 5 s before they come to rest.
@@ -75,7 +79,9 @@ def find_heaps(t: float, h: float, world: int) -> None:
         any_unsolved = any_unsolved or (unsolved and body[row, AWAKE] != 0)
     if not any_unsolved:
         return
-    found, small = False, _join_heaps(h, world) <= _CROWD
+    found, small = False, _count_free(world) <= CROWD
+    if small:
+        _join_heaps(h, world)
     for row in range(rows(world, BODY)):
         size, unsolved = body[body[row, HEAP], HEAP_SIZE], body[body[row, HEAP], HEAP_UNSOLVED]
         if small and _is_free(world, row) and 1 < size <= LARGEST and unsolved >= _PATIENCE + size // _MORE:
@@ -87,11 +93,11 @@ def find_heaps(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _falls_far(h: float, world: int, row: int) -> bool:
-    """Whether gravity brings a dynamic body a good part of its size in a step."""
+    """Whether gravity and forces bring a dynamic body a good part of its size in a step."""
     if integers(world, BODY)[row, BODY_KIND] != DYNAMIC:
         return False
-    gravity, reach = vector_at(floats(world, SETTINGS), 0, GRAVITY), _FALL * floats(world, RESTED)[row, REACH]
-    falls: bool = h**4 * dot(gravity, gravity) > reach * reach
+    gained, reach = acceleration(world, row), _FALL * floats(world, RESTED)[row, REACH]
+    falls: bool = h**4 * dot(gained, gained) > reach * reach
     return falls
 
 
@@ -135,9 +141,17 @@ def _is_free(world: int, row: int) -> bool:
 
 
 @compiled
-def _join_heaps(h: float, world: int) -> int:
-    """Unite the free bodies that contacts hold together, and return how many free bodies there are."""
-    body, contact, free = integers(world, BODY), integers(world, CONTACT), 0
+def _count_free(world: int) -> int:
+    count = 0
+    for row in range(rows(world, BODY)):
+        count += _is_free(world, row)
+    return count
+
+
+@compiled
+def _join_heaps(h: float, world: int) -> None:
+    """Unite the free bodies that contacts hold together."""
+    body, contact = integers(world, BODY), integers(world, CONTACT)
     for row in range(rows(world, BODY)):
         body[row, HEAP], body[row, HEAP_SIZE], body[row, HEAP_UNSOLVED] = row, 0, 0
     for row in range(rows(world, CONTACT)):
@@ -147,13 +161,11 @@ def _join_heaps(h: float, world: int) -> int:
             unite(body, HEAP, a, b)
     for row in range(rows(world, BODY)):
         if _is_free(world, row):
-            free += 1
             first = first_of(body, HEAP, row)
             body[row, HEAP] = first
             body[first, HEAP_SIZE] += 1
             unsolved = _FOUND if _falls_far(h, world, row) else body[row, UNSOLVED]
             body[first, HEAP_UNSOLVED] = max(body[first, HEAP_UNSOLVED], unsolved)
-    return free
 
 
 @compiled
@@ -163,8 +175,9 @@ def ask_again(t: float, h: float, world: int) -> None:
     any_far = False
     for row in range(rows(world, BODY)):
         any_far = any_far or _is_far_left(world, row)
-    if not any_far or status[0, REPEATED] != 0 or _join_heaps(h, world) > _CROWD:
-        return
+    if not any_far or status[0, REPEATED] != 0 or rows(world, BATCH) > 0 or _count_free(world) > CROWD:
+        return  # of a crowd in batches, some are done already
+    _join_heaps(h, world)
     found = False
     for row in range(rows(world, BODY)):
         size = body[body[row, HEAP], HEAP_SIZE]
@@ -172,8 +185,6 @@ def ask_again(t: float, h: float, world: int) -> None:
             body[row, UNSOLVED], found = _PATIENCE + LARGEST // _MORE, True
     if found and status[0, STATUS] == OK:
         status[0, STATUS], status[0, REPEATED] = BEGIN_AGAIN, 1
-        for row in range(rows(world, BODY)):
-            body[row, UNSOLVED] &= LEFT - 1
 
 
 @compiled(inline=True)
@@ -206,10 +217,10 @@ def count_unsolved(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _count_left(row: int, t: float, h: float, world: int) -> None:
-    """Count how long a resting body, slower than gravity makes it in a step, is left unsolved, and report it after too long."""
+    """Count how long a resting body, slower than its weight makes it in a step, is left unsolved; report it after too long."""
     body = integers(world, BODY)
-    v, gravity = vector_at(floats(world, MOTION), row, 0), vector_at(floats(world, SETTINGS), 0, GRAVITY)
-    rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < h * h * dot(gravity, gravity)
+    v, gained = vector_at(floats(world, MOTION), row, 0), h * weight_per_mass(world, row)
+    rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < gained * gained
     if body[row, UNSOLVED] & LEFT == 0 or not rests:
         body[row, LEFT_FOR] = max(body[row, LEFT_FOR] - 1, 0)
         return

@@ -148,7 +148,7 @@ def solution(
 
 
 @compiled(inline=True, cached=False)
-def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[float, float, float]:
+def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, float]:
     """Impulse of a drive: constant, slope, maximum; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
@@ -160,13 +160,13 @@ def _drive_of(joint: int, link: int, k: int, h: float, world: int) -> tuple[floa
     constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
     slope = h * (damping + h * stiffness * (alpha + beta))
     if k >= 3:
-        slope += floats(world, LINK_NUMBERS)[link, BRAKE + k - 3]
+        slope += numbers[joint, BRAKE + k - 3]
     return constant, slope, h * laws[row, DRIVE_MAXIMUM]
 
 
 @compiled(inline=True, cached=False)
 def _piece(
-    joint: int, k: int, link: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float, world: int
+    joint: int, k: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float, world: int
 ) -> tuple[int, bool, float, float]:
     """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
@@ -179,7 +179,7 @@ def _piece(
         lower, upper = min(lower, 0.0), max(upper, 0.0)
         constant, slope, maximum = laws[row, DRIVE_CONSTANT], laws[row, DRIVE_SLOPE], h * laws[row, DRIVE_MAXIMUM]
     else:
-        constant, slope, maximum = _drive_of(joint, link, k, h, world)
+        constant, slope, maximum = _drive_of(joint, k, h, world)
     scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == SWING_TWIST else 1.0
     return solution(
         speed - mobility * impulse, mobility, scale * lower / h, scale * upper / h,
@@ -193,7 +193,7 @@ def law_impulse(joint: int, k: int, link: int, h: float, relaxing: bool, moved: 
     work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, JOINT_IMPULSE + k]
     mobility = floats(world, JOINT_AXES)[6 * joint + k, MOBILITY] / _RIGID
     speed, base = work[link, AXIS_SPEED + k] + moved, work[link, LAW_BASE + k]
-    _, held, value, slope = _piece(joint, k, link, h, relaxing, speed, before + base, mobility, world)
+    _, held, value, slope = _piece(joint, k, h, relaxing, speed, before + base, mobility, world)
     impulse: float = base + (value - speed) / mobility if held else value - slope * speed - before
     return impulse
 
@@ -216,7 +216,7 @@ def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bo
         before, rigid, base = work[link, AXIS_SPEED + k], mobility / _RIGID, work[link, LAW_BASE + k]
         speed, impulse = before + work[link, ACCEPTED_DELTA_SPEED + k], numbers[joint, JOINT_IMPULSE + k] + base
         line = mobility if first else rigid
-        code, held, value, slope = _piece(joint, k, link, h, relaxing, speed, impulse, line, world)
+        code, held, value, slope = _piece(joint, k, h, relaxing, speed, impulse, line, world)
         settled = settled and code == work[link, LAW_STATE + k]
         work[link, LAW_STATE + k] = code
         work[link, SLOPE + k] = 1.0 / rigid if held else slope
@@ -239,10 +239,10 @@ def refine_laws(joint: int, link: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def end_laws(joint: int, link: int, h: float, world: int) -> None:
+def end_laws(joint: int, h: float, world: int) -> None:
     """Keep the drives of the substep for the relaxation, after the drift."""
     joint_laws, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_AXES)
     for k in range(6):
         if joint_laws >> k & 1:
-            constant, slope, _ = _drive_of(joint, link, k, h, world)
+            constant, slope, _ = _drive_of(joint, k, h, world)
             laws[6 * joint + k, DRIVE_CONSTANT], laws[6 * joint + k, DRIVE_SLOPE] = constant, slope

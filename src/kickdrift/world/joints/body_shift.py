@@ -11,8 +11,10 @@ from kickdrift.world.layout import (
     ORIENTATION,
     POSITION,
     ROTATION,
+    SPHERICAL,
+    TUMBLES,
 )
-from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, floats
+from kickdrift.world.tables import DELTA_POSE, INERTIA, INVERSE_MASS, MOTION, POSE, floats
 
 
 @compiled(cached=False)
@@ -27,7 +29,6 @@ def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
     by = exponential(turn)
     q = unit(product(by, quaternion_at(pose, body, ANGULAR_PART)))
     w = turned(by, vector_at(motion, body, ANGULAR_PART))
-    inverse = turned_symmetric(by, symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD))
     for k in range(3):
         pose[body, POSITION + k] += way[k]
         delta_pose[body, DISPLACEMENT + k] += way[k]
@@ -35,5 +36,7 @@ def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
         motion[body, ANGULAR_VELOCITY + k] = w[k]
     for k in range(4):
         pose[body, ORIENTATION + k] = q[k]
-    for k in range(6):
-        inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]
+    if floats(world, INERTIA)[body, SPHERICAL] == TUMBLES:
+        inverse = turned_symmetric(by, symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD))
+        for k in range(6):
+            inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]

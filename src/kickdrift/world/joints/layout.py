@@ -69,6 +69,7 @@ MISALIGNMENT = column(JOINT_NUMBERS, 6, "m, rad")  # of locked axes, as it would
 SOLVED = column(JOINT_NUMBERS, 6, "N s, N m s")  # the part of JOINT_IMPULSE that was given before the drift
 PULL = column(JOINT_NUMBERS, 3, "N s")  # linear impulse of the last substeps, a mean
 RATES = column(JOINT_NUMBERS, 2)  # of gears, see `Geared`
+BRAKE = column(JOINT_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.swing_damping`
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
 LOWER_LIMIT = column(JOINT_AXES, 1, "m or rad")
@@ -134,7 +135,6 @@ PASSING = column(LINK_NUMBERS, 36)  # of open axis k, six numbers: impulse along
 AXES_AHEAD = column(LINK_NUMBERS, 18)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD = column(LINK_NUMBERS, 3, "m")
 ARM_B_AHEAD = column(LINK_NUMBERS, 3, "m")
-BRAKE = column(LINK_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.swing_damping`
 # Of laws: impulse, less the one before the solution, that upright pieces begin with
 LAW_BASE = column(LINK_NUMBERS, 6, "N s, N m s")
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there

@@ -148,7 +148,7 @@ class Joints:
         found = read_law(self.tables, joint.index, k, part)
         return getattr(Axis(**{part: found}).reversed(), part) if joint.sign(k) < 0.0 else found
 
-    @alone
+    @undivided
     def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
         """Replace the limits, the motor, the drive or the friction of an axis, given as in an `Axis`, and wake the bodies.
 
@@ -162,10 +162,9 @@ class Joints:
         if joint.sign(k) < 0.0:
             what = getattr(Axis(**{part: what}).reversed(), part)
         numbers = self.tables.row(JOINT, row)
-        before, arranged = numbers.item(LAWS), self.arranged
-        self.arranged = False  # also if Ctrl-C comes now
+        before = numbers.item(LAWS)
         write_law(self.tables, row, k, part, what)
-        self.arranged = arranged and before == numbers.item(LAWS)
+        self.arranged = self.arranged and before == numbers.item(LAWS)
         joint.wake()
 
     @undivided

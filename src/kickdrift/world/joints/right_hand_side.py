@@ -93,7 +93,7 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
     off, turned_off, per_h = 0.0, 0.0, 1.0 / h
     for k in range(6):
         speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
-        brake = work[link, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
+        brake = numbers[joint, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
         wrong = numbers[joint, MISALIGNMENT + k]
         work[link, AXIS_SPEED + k] = speed
         work[link, RIGHT_HAND_SIDE + k] = 0.0

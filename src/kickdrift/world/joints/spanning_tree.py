@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kickdrift.world.joints.layout import (
     BODY_A,
     BODY_B,
+    BRAKE,
     BROKEN,
     CLOSINGS,
     END,
@@ -33,7 +34,18 @@ from kickdrift.world.joints.layout import (
     SIGN,
 )
 from kickdrift.world.layout import LINK_COUNT, LINK_PLACE, MASS
-from kickdrift.world.tables import ARTICULATION, BODY, GRAPH, INERTIA, INVERSE_MASS, JOINT, LINK, LINK_NUMBERS, Tables
+from kickdrift.world.tables import (
+    ARTICULATION,
+    BODY,
+    GRAPH,
+    INERTIA,
+    INVERSE_MASS,
+    JOINT,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    Tables,
+)
 
 # Pairs of neighbours that elimination may meet, per node, and of how many nodes at least; with more of them, the joints of an
 # articulation are solved one after the other. A pair takes 0.8 us in a step of four substeps: a grid of 8 x 8 balls 2.3 ms.
@@ -196,6 +208,7 @@ def _write(tables: Tables, parts: list[_Part]) -> None:
     rows = tables.resize(LINK, size)
     table[:] = 0
     tables.array(LINK_NUMBERS)[:] = 0.0
+    tables.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3] = 0.0  # of joints that close loops it stays so
     tables.array(BODY)[:, [LINK_PLACE, LINK_COUNT]] = 0
     rows[:] = 0
     rows[:, [PARENT, LINK_A, LINK_B]] = NONE

@@ -58,7 +58,7 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
         unresolved = turned > _RESOLVED and links[link, PARENT] >= 0 and not held >> k & 1
         if unresolved:
             turned = min(turned, _most(joint, axis, times(links[link, SIGN], force), world) / _ALONE)
-        work[link, BRAKE + k - 3] = (
+        numbers[joint, BRAKE + k - 3] = (
             _BRAKING * stiffness * (1.0 - _RESOLVED / turned) if unresolved and turned > _RESOLVED else 0.0
         )
 

@@ -1,0 +1,151 @@
+"""Paths on which bodies are expected to move in a step, from where the search for contacts knows what they may meet.
+
+A body is expected to fly as forces and gravity make it with the velocity that it begins the step with. Where impacts within the
+step made it so fast that a contact was missed, the step is done again (see `missed`), and the path is that of the attempt
+before, drawn as two parts: free flight from the start, and from the time on at which an impact changed the velocity, the free
+flight that ends where, and with the velocity with which, the attempt has ended.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Quaternion, Vector, dot, exponential, length, minus, plus, product, times
+from kickdrift.world.collision.acceleration import acceleration, angular_acceleration
+from kickdrift.world.columns import column, quaternion_at, vector_at
+from kickdrift.world.settings import STEP
+from kickdrift.world.tables import DELTA_POSE, MOTION, POSE, PREDICTED, SETTINGS, STARTED_MOTION, STARTED_POSE, floats
+
+HAS_CHANGE = column(PREDICTED)  # 1.0 while a step is done again in which the velocity has changed
+CHANGE_TIME = column(PREDICTED, 1, "s")  # when that was, since the start of the step
+END_POSE = column(PREDICTED, 7)  # where the attempt before has ended
+END_MOTION = column(PREDICTED, 6, "m/s, rad/s")
+POSITION_ERROR = column(PREDICTED, 1, "m")  # distance from the path at the end of an attempt
+TURN_ERROR = column(PREDICTED, 1, "rad")  # by how much more the body has turned than was expected
+STRUCK = column(PREDICTED)  # 1.0 of bodies that a fast contact may strike
+WIDE_BOUNDS = column(PREDICTED)  # 1.0 in the step after: fat bounds hold the path, and are drawn anew
+
+
+@compiled
+def path(world: int, body: int, when: float) -> tuple[Vector, Quaternion]:
+    """Return where a body is on its path, a time after the start of the step."""
+    pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
+    if predicted[body, HAS_CHANGE] != 0.0 and when >= predicted[body, CHANGE_TIME]:
+        back = when - floats(world, SETTINGS)[0, STEP]
+        at, q = vector_at(predicted, body, END_POSE), quaternion_at(predicted, body, END_POSE + 3)
+        v, w, since = vector_at(predicted, body, END_MOTION), vector_at(predicted, body, END_MOTION + 3), back
+    else:
+        at, q = vector_at(pose, body, 0), quaternion_at(pose, body, 3)
+        v, w, since = vector_at(motion, body, 0), vector_at(motion, body, 3), when
+    at = plus(plus(at, times(since, v)), times(0.5 * since * since, acceleration(world, body)))
+    return at, product(exponential(times(since, w)), q)
+
+
+@compiled
+def velocity_then(world: int, body: int, when: float) -> Vector:
+    """Return the velocity of a body on its path."""
+    predicted, gained = floats(world, PREDICTED), acceleration(world, body)
+    if predicted[body, HAS_CHANGE] != 0.0 and when >= predicted[body, CHANGE_TIME]:
+        return plus(vector_at(predicted, body, END_MOTION), times(when - floats(world, SETTINGS)[0, STEP], gained))
+    return plus(vector_at(floats(world, MOTION), body, 0), times(when, gained))
+
+
+@compiled(inline=True)
+def fastest_turn(world: int, body: int) -> float:
+    """Bound how fast a body turns on its path."""
+    predicted, turn = floats(world, PREDICTED), length(vector_at(floats(world, MOTION), body, 3))
+    if has_change(world, body):
+        turn = max(turn, length(vector_at(predicted, body, END_MOTION + 3)))
+    return turn
+
+
+@compiled(inline=True)
+def next_change(world: int, body: int, when: float, end: float) -> float:
+    """Return when the velocity changes on the path of a body, if that is between two times; or the latter."""
+    predicted = floats(world, PREDICTED)
+    if predicted[body, HAS_CHANGE] != 0.0 and when < predicted[body, CHANGE_TIME] < end:
+        end = predicted[body, CHANGE_TIME]
+    return end
+
+
+@compiled(inline=True)
+def has_change(world: int, body: int) -> bool:
+    """Whether the velocity of a body is expected to change in the step by more than forces change it."""
+    changes: bool = floats(world, PREDICTED)[body, HAS_CHANGE] != 0.0
+    return changes
+
+
+@compiled
+def way_on_path(world: int, body: int) -> float:
+    """Bound how far a body gets on its path from where it is."""
+    predicted, step = floats(world, PREDICTED), floats(world, SETTINGS)[0, STEP]
+    change = predicted[body, CHANGE_TIME]
+    at, _ = path(world, body, change)
+    before = change * length(vector_at(floats(world, MOTION), body, 0))
+    jump = length(minus(at, vector_at(floats(world, POSE), body, 0)))
+    after = length(minus(vector_at(predicted, body, END_POSE), at))
+    way: float = max(before, jump) + after + step * step * length(acceleration(world, body))
+    return way
+
+
+@compiled
+def note_path(h: float, world: int, body: int) -> None:
+    """Note how a body has moved in the attempt at a step that is to be done again."""
+    pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
+    start, before = vector_at(floats(world, STARTED_POSE), body, 0), vector_at(floats(world, STARTED_MOTION), body, 0)
+    gained = times(h, acceleration(world, body))
+    at, after = vector_at(pose, body, 0), vector_at(motion, body, 0)
+    # The velocity has changed when the flight from the start and that back from the end are nearest to each other.
+    faster = minus(minus(after, gained), before)
+    apart = plus(minus(minus(at, start), times(h, after)), times(0.5 * h, gained))
+    change = -dot(apart, faster) / max(dot(faster, faster), 1e-300)
+    predicted[body, HAS_CHANGE], predicted[body, CHANGE_TIME] = 1.0, min(max(change, 0.0), h)
+    for k in range(7):
+        predicted[body, END_POSE + k] = pose[body, k]
+    for k in range(6):
+        predicted[body, END_MOTION + k] = motion[body, k]
+
+
+@compiled
+def prediction_error(h: float, world: int, body: int) -> tuple[float, float]:
+    """Return how far a body is from its path, and by how much it has turned farther than on it; what is stopped is on it.
+
+    One that ends where the attempt before has ended has shown what there is to know of it.
+    """
+    started, motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
+    predicted, start = floats(world, PREDICTED), vector_at(started, body, 0)
+    way = minus(vector_at(floats(world, POSE), body, 0), start)
+    turn = length(vector_at(floats(world, DELTA_POSE), body, 3))
+    most = length(vector_at(motion, body, 3)) + h * length(angular_acceleration(world, body))
+    v, gained = vector_at(motion, body, 0), acceleration(world, body)
+    if has_change(world, body):
+        if _ends_as_before(world, body):
+            return 0.0, 0.0
+        change, end = predicted[body, CHANGE_TIME], minus(vector_at(predicted, body, END_POSE), start)
+        corner = plus(times(change, v), times(0.5 * change * change, gained))
+        off = min(_distance(way, (0.0, 0.0, 0.0), corner), _distance(way, corner, end))
+        most = max(most, length(vector_at(predicted, body, END_MOTION + 3)))
+    else:
+        off = _distance(way, (0.0, 0.0, 0.0), plus(times(h, v), times(0.5 * h * h, gained)))
+    return off, max(turn - h * most, 0.0)
+
+
+@compiled(inline=True)
+def _ends_as_before(world: int, body: int) -> bool:
+    pose, predicted, same = floats(world, POSE), floats(world, PREDICTED), True
+    for k in range(7):
+        same = same and pose[body, k] == predicted[body, END_POSE + k]
+    return same
+
+
+@compiled(inline=True)
+def _distance(point: Vector, start: Vector, end: Vector) -> float:
+    """Distance of a point from the line from one point to another."""
+    along, to = minus(end, start), minus(point, start)
+    part = min(max(dot(to, along) / max(dot(along, along), 1e-300), 0.0), 1.0)
+    off: float = length(minus(to, times(part, along)))
+    return off
+
+
+@compiled(inline=True)
+def drop_path(world: int, body: int) -> None:
+    """Expect of a body what forces do with it; bounds that hold its path are drawn anew in the next step."""
+    predicted = floats(world, PREDICTED)
+    predicted[body, WIDE_BOUNDS], predicted[body, HAS_CHANGE] = predicted[body, HAS_CHANGE], 0.0
