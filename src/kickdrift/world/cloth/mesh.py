@@ -44,9 +44,9 @@ def cloth_mesh(vertices: ArrayLike, triangles: ArrayLike) -> ClothMesh:
     Raises
     ------
     ArgumentError
-        For numbers that are not finite, indices out of range, vertices without triangles, triangles without area with
-        repeated corners or with the same vertices, edges of three triangles, and adjacent triangles of opposite orientation; the message names the
-        vertex or the triangle.
+        For numbers that are not finite, indices out of range, vertices without triangles, triangles without area, with
+        repeated corners or with the same vertices, edges of three triangles, and adjacent triangles of opposite orientation;
+        the message names the vertex or the triangle.
     """
     points, faces = _vertices(vertices), _triangles(triangles)
     _check_corners(points, faces)
