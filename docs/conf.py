@@ -14,6 +14,9 @@ sys.path.insert(0, str(HERE / "_extensions"))
 os.environ.setdefault("PYDEVD_DISABLE_FILE_VALIDATION", "1")  # kernels warn of it otherwise
 
 import kickdrift  # noqa: E402
+from kickdrift.engine import announcing  # noqa: E402
+
+announcing._print = lambda sentence: None  # what the builder's machine compiles is no part of an example
 
 project = "kickdrift"
 author = "The kickdrift maintainers"
@@ -49,6 +52,7 @@ nb_execution_cache_path = str(HERE / "_build" / "notebooks")
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_output_stderr = "remove"
 
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",

@@ -138,6 +138,7 @@ def test_events_that_end_a_run_end_it_again(tmp_path, monkeypatch):
         assert np.array_equal(on.x, whole.x)
         assert on.status is kd.Outcome.STOPPED
         assert np.array_equal(on.t_events[0], whole.t_events[0])
+        assert on.n_force_evaluations == whole.n_force_evaluations
 
 
 def test_an_interruption_is_kept(tmp_path, monkeypatch):

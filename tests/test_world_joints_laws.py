@@ -180,6 +180,18 @@ def test_friction_brakes_by_its_torque_over_the_moment_and_then_holds():
     assert hinge.angle == turned
 
 
+@pytest.mark.parametrize("axis", [(0, 0, 1), (1, -2, 0.5)])
+def test_friction_of_a_ball_joint_is_as_strong_about_any_axis(axis):
+    world, spin = World(gravity=(0, 0, 0)), np.array([6.0, -3.0, 2.0])
+    ball = world.add_sphere(0.5, mass=10.0, angular_velocity=spin)  # of 1 kg m^2
+    joint = world.add_ball_joint(None, ball, anchor=(0, 0, 0), axis=axis, friction=4.0)
+    world.advance(STEP, 30)
+    assert ball.angular_velocity == pytest.approx(spin * (7.0 - 4.0 * 0.5) / 7.0, abs=1e-9)
+    assert np.linalg.norm(joint.torque) == pytest.approx(4.0, rel=1e-9)
+    world.advance(STEP, 90)
+    assert np.abs(ball.angular_velocity).max() < 1e-12
+
+
 @pytest.mark.parametrize("friction", [9.8, 9.82])
 def test_friction_holds_what_asks_for_less(friction):
     world, hinge = lever(friction=friction)

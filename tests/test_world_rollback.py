@@ -5,13 +5,14 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.world import stepping
+from kickdrift.world.collision.predicted_path import TURN_ERROR
 from kickdrift.world.contacts.residual import measure
 from kickdrift.world.joints.axis import Motor
 from kickdrift.world.joints.layout import BRAKE
 from kickdrift.world.rollback import roll_back
 from kickdrift.world.step import run
 from kickdrift.world.step_status import STATUS
-from kickdrift.world.tables import EVENTS, JOINT_NUMBERS, MOTION, PARTICLE, POSE, STEP_STATUS
+from kickdrift.world.tables import EVENTS, INVERSE_MASS, JOINT_NUMBERS, MOTION, PARTICLE, POSE, PREDICTED, STEP_STATUS
 
 STEP = 1 / 60
 Y = (0, 1, 0)
@@ -176,3 +177,21 @@ def test_ctrl_c_in_a_step_that_is_done_again_leaves_the_world_where_it_began(aga
     world.advance(STEP, 20)
     other.advance(STEP, 20)
     assert state(other) == state(world)
+
+
+def test_what_a_torque_turns_has_turned_as_far_as_was_expected():
+    world = kd.World((0, 0, 0))
+    body = world.add_box((0.2, 0.2, 0.2), mass=1.0, restitution=0.5)
+    world.apply_torque(body, (0, 0, 10.0))
+    world.step(STEP)
+    assert body.angular_velocity[2] == pytest.approx(10.0 * STEP * 6.0 / 0.04)
+    assert not world.tables.array(PREDICTED)[:, TURN_ERROR].any()
+
+
+def test_the_inertia_of_a_cube_on_a_joint_stays_what_it_was():
+    world = kd.World()
+    cube = world.add_box((0.5, 0.5, 0.5), angular_velocity=(3, 2, 1))
+    world.add_ball_joint(None, cube, anchor=(0, 0, 1))
+    before = world.tables.array(INVERSE_MASS).tobytes()
+    world.advance(STEP, 60)
+    assert world.tables.array(INVERSE_MASS).tobytes() == before

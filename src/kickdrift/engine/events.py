@@ -115,7 +115,8 @@ class Watch:
             for k, brackets in _joined(self._waiting)
         ]
         zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
-        return Seen(zeros, tuple(waiting), self.evaluations, self._beyond if beyond is None else beyond)
+        later = sum(zero.evaluations for zero in self._zeros) - sum(zero.evaluations for zero in zeros)  # sought again
+        return Seen(zeros, tuple(waiting), self.evaluations - later, self._beyond if beyond is None else beyond)
 
     def go_on(self, seen: Seen, step: float, t: float, x: Floats, v: Floats) -> None:
         """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten.
@@ -241,13 +242,13 @@ class Watch:
     def _from_the_middle(self, event: int, steps: Brackets, which: NDArray[np.intp]) -> Brackets:
         """Begin some steps in their middle."""
         assert self._surfaces is not None
-        t, x, v, values = self._ask(event, steps.part(which), np.full(which.size, 0.5))
+        t, x, v, values, _ = self._ask(event, steps.part(which), np.full(which.size, 0.5))
         begin, first = steps.begin.copy(), steps.first.copy()
         begin[which], first[which] = 0.5, self._surfaces.rounded(partial(self._values, event), values, t, x, v)
         return steps._replace(begin=begin, first=first)
 
-    def _ask(self, event: int, at: Brackets, share: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return when parts of steps end, and the states and values of an event there."""
+    def _ask(self, event: int, at: Brackets, share: Floats) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64]]:
+        """Return when parts of steps end, the states and values of an event there, and the force evaluations."""
         size = share * at.size
         x, v, evaluations = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
         self.evaluations += int(evaluations.sum())
@@ -255,7 +256,7 @@ class Watch:
         values = evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
         if np.isnan(values).any():
             raise KickdriftError(f"{self.events[event].name}, returned NaN at t={float(t[np.isnan(values)][0])!r}")
-        return t, x, v, values
+        return t, x, v, values, evaluations
 
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
         """Return the parts of steps with a zero in the wanted direction; steps are halved where two zeros may hide."""
@@ -284,13 +285,16 @@ class Watch:
         """Find the zeros of an event, and the states there."""
         if not brackets.t.size:
             return []
-        share = search(
-            *brackets[4:],
-            lambda which, shares: self._ask(event, brackets.part(which), shares)[3],
-            tolerance_of(brackets),
-        )
-        t, x, v, _ = self._ask(event, brackets, share)
-        return [Zero(float(t[k]), event, x[k], v[k]) for k in range(t.size)]
+        taken = np.zeros(brackets.t.size, dtype=np.int64)
+
+        def at(which: NDArray[np.intp], shares: Floats) -> Floats:
+            *_, values, own = self._ask(event, brackets.part(which), shares)
+            taken[which] += own
+            return values
+
+        share = search(*brackets[4:], at, tolerance_of(brackets))
+        t, x, v, _, own = self._ask(event, brackets, share)
+        return [Zero(float(t[k]), event, x[k], v[k], int(taken[k] + own[k])) for k in range(t.size)]
 
 
 def _joined(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:

@@ -35,12 +35,13 @@ class Brackets(NamedTuple):
 
 
 class Zero(NamedTuple):
-    """A zero: its time, the number of the event, and the state there."""
+    """A zero: its time, the number of the event, the state there, and the force evaluations of its search."""
 
     t: float
     event: int
     x: Floats
     v: Floats
+    evaluations: int = 0
 
 
 class Seen(NamedTuple):

@@ -13,6 +13,9 @@ _MOST_POINTS = 500  # of a curve
 
 # The client of viser says the time in what is read out of its slider; it has no other way to ask.
 _FOLLOW = """
+<style>
+  @media (max-width: 640px), (max-height: 460px) { #kickdrift-panel > :not(:first-child) { display: none !important } }
+</style>
 <script>(() => {
   const about = %s, now = document.getElementById("kickdrift-now"), text = document.getElementById("kickdrift-time");
   let shown = NaN;
@@ -65,7 +68,8 @@ def panel(title: str, t: Floats, curves: list[Curve], seconds: float, unit: str)
     size = f'width="{_WIDTH}" height="{_HEIGHT if curves else 0}"'
     about = {"seconds": seconds, "width": _WIDTH, "first": float(t[0]), "last": float(t[-1]), "unit": unit}
     return (
-        '<div style="position:fixed;left:12px;bottom:52px;padding:8px 10px;background:rgba(255,255,255,.85);color:#222;'
+        '<div id="kickdrift-panel"'
+        ' style="position:fixed;left:12px;bottom:52px;padding:8px 10px;background:rgba(255,255,255,.85);color:#222;'
         'font:11px sans-serif;pointer-events:none;border-radius:4px">'
         f'<div>{escape(title)}, <span id="kickdrift-time"></span></div>'
         f'<svg {size} style="overflow:visible;margin:6px 0;display:block">{lines}'

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.colours import FIXED, RODS, colour_of
 from kickdrift.core.rotations import product, turned
-from kickdrift.viewer.page import Singles, rounded
+from kickdrift.viewer.page import Singles, linear, rounded
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recording import Appearance, DrawnCloth, DrawnShape, Rod
@@ -98,7 +98,7 @@ class Batch:
                 turns,
                 positions,
                 batched_scales=self._scales,
-                batched_colors=np.round(255 * colours).astype(np.uint8),
+                batched_colors=linear(colours),
                 flat_shading=surface.flat,
                 side="double" if surface.flat else "front",
                 lod="off",
@@ -144,7 +144,7 @@ class JointLines:
     def __init__(self, scene: Any, rods: tuple[Rod, ...], state: State) -> None:
         self._bodies = np.array([(rod.body_a, rod.body_b) for rod in rods])
         self._points = np.array([(rod.point_a, rod.point_b) for rod in rods])
-        colour = tuple(round(255 * part) for part in RODS)
+        colour = tuple(linear(RODS).tolist())
         self._shown = self._at(state)
         self._handle = scene.add_line_segments("/joints", self._shown, colour, thickness=2.0, thickness_units="screen")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import FileFormatError, KickdriftError
 from kickdrift.core.files import written
@@ -95,4 +95,17 @@ def rounded(values: Floats, grain: float) -> Singles:
     """Round to multiples of a power of two that is not larger than a grain: the last bits are zero, and take no room."""
     step = 2.0 ** math.floor(math.log2(grain))
     result: Singles = (np.round(values / step) * step + 0.0).astype(np.float32)
+    return result
+
+
+def linear(colours: ArrayLike) -> NDArray[np.uint8]:
+    """Return colours (..., 3) from 0 to 1 in the form that viser draws batched meshes and lines in.
+
+    Its meshes and points take them as screens do (sRGB, IEC 61966-2-1), but these without the curve of screens, from 0 to
+    255: they were too pale with it.
+    """
+    c = np.asarray(colours, dtype=np.float64)
+    result: NDArray[np.uint8] = np.round(
+        255.0 * np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    ).astype(np.uint8)
     return result

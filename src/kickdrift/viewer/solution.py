@@ -12,7 +12,7 @@ from kickdrift.core.colours import COLOURS, colour_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 from kickdrift.viewer.curves import Curve, panel
-from kickdrift.viewer.page import Singles, Stage, check_in_memory, rounded, write_page
+from kickdrift.viewer.page import Singles, Stage, check_in_memory, linear, rounded, write_page
 from kickdrift.viewer.surfaces import surface_of
 from kickdrift.world.shapes.sphere import Sphere
 
@@ -33,10 +33,10 @@ _LOST_TURN = 1.0  # radians between two states: farther apart, they are no curve
 
 
 class _Orbits(NamedTuple):
-    """Where bodies are in the browser's units, (T, N, 3), and their colours, (N, 3) of uint8."""
+    """Where bodies are in the browser's units, (T, N, 3), and their colours, (N, 3) from 0 to 1."""
 
     paths: Floats
-    colours: NDArray[np.uint8]
+    colours: Floats
 
 
 def solution_to_html(solution: Solution, path: str | Path) -> Path:
@@ -113,8 +113,12 @@ def _orbits(solution: Solution) -> _Orbits:
     # The median of the bodies, so that a few far ones on part of an orbit do not move it.
     x = x - np.median(x.mean(axis=0), axis=0)
     x *= _RADIUS / (np.linalg.norm(x, axis=2).max() or 1.0)
-    colours = np.array([colour_of(body) for body in range(x.shape[1])])
-    return _Orbits(x, np.round(255 * colours).astype(np.uint8))
+    return _Orbits(x, np.array([colour_of(body) for body in range(x.shape[1])]))
+
+
+def _bytes(colours: Floats) -> NDArray[np.uint8]:
+    result: NDArray[np.uint8] = np.round(255.0 * colours).astype(np.uint8)
+    return result
 
 
 def _rows_shown(t: Floats) -> tuple[list[int], list[float]]:
@@ -136,7 +140,7 @@ def _draw_paths(scene: Any, orbits: _Orbits) -> None:
     paths, colours = orbits.paths[::stride], orbits.colours
     if len(paths) < 2:
         return
-    faint = np.round(colours + _FAINT * (255.0 - colours)).astype(np.uint8)
+    faint = colours + _FAINT * (1.0 - colours)
     way = np.diff(paths, axis=0)
     lengths = np.linalg.norm(way, axis=2)
     cosines = (way[1:] * way[:-1]).sum(axis=2) / np.maximum(lengths[1:] * lengths[:-1], 1e-300)
@@ -144,11 +148,13 @@ def _draw_paths(scene: Any, orbits: _Orbits) -> None:
     smooth = turns < _LOST_TURN
     if smooth.any():
         segments = np.stack((paths[:-1, smooth], paths[1:, smooth]), axis=2).reshape(-1, 2, 3)
-        each = np.broadcast_to(faint[smooth][None, :, None], (len(paths) - 1, smooth.sum(), 2, 3)).reshape(-1, 2, 3)
+        each = np.broadcast_to(linear(faint[smooth])[None, :, None], (len(paths) - 1, smooth.sum(), 2, 3)).reshape(
+            -1, 2, 3
+        )
         scene.add_line_segments("/orbits", segments, each, thickness=1.0, thickness_units="screen")
     if not smooth.all():
         points = paths[:, ~smooth].reshape(-1, 3)
-        each_point = np.broadcast_to(faint[~smooth], (len(paths), (~smooth).sum(), 3)).reshape(-1, 3)
+        each_point = np.broadcast_to(_bytes(faint[~smooth]), (len(paths), (~smooth).sum(), 3)).reshape(-1, 3)
         scene.add_point_cloud("/states", points, each_point, point_size=2e-3 * _RADIUS, precision="float32")
 
 
@@ -174,7 +180,7 @@ class _Balls:
             np.broadcast_to((1.0, 0.0, 0.0, 0.0), (bodies, 4)),
             self._at(0),
             batched_scales=radii,
-            batched_colors=orbits.colours,
+            batched_colors=linear(orbits.colours),
             lod="off",
         )
 
@@ -191,7 +197,12 @@ class _Dots:
     def __init__(self, scene: Any, orbits: _Orbits) -> None:
         self._paths = orbits.paths
         self._handle = scene.add_point_cloud(
-            "/bodies", self._at(0), orbits.colours, point_size=_DOT * _RADIUS, point_shape="circle", precision="float32"
+            "/bodies",
+            self._at(0),
+            _bytes(orbits.colours),
+            point_size=_DOT * _RADIUS,
+            point_shape="circle",
+            precision="float32",
         )
 
     def show(self, row: int) -> None:
@@ -218,7 +229,9 @@ class _Tails:
     def __init__(self, scene: Any, orbits: _Orbits, rows: list[int]) -> None:
         self._paths, self._rows = orbits.paths, rows
         self._place = {row: place for place, row in enumerate(rows)}
-        tail = np.broadcast_to(orbits.colours[None, :, None], (_TAIL, len(orbits.colours), 2, 3)).reshape(-1, 2, 3)
+        tail = np.broadcast_to(linear(orbits.colours)[None, :, None], (_TAIL, len(orbits.colours), 2, 3)).reshape(
+            -1, 2, 3
+        )
         self._handle = scene.add_line_segments(
             "/tails", self._at(rows[0]), tail, thickness=2.5, thickness_units="screen"
         )

@@ -66,7 +66,7 @@ COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair o
 # Trees of joints: see `kickdrift.world.joints.layout`
 ARTICULATION = Table(26, 8, whole=True)
 LINK = Table(46, 10, whole=True)  # a body of an articulation and its joint to the parent, parents first
-LINK_NUMBERS = Table(47, 224)  # no step reads what another has left there
+LINK_NUMBERS = Table(47, 232)  # no step reads what another has left there
 GRAPH = Table(51, 4, whole=True)  # one row
 # The direct solver: see `kickdrift.world.direct.layout`
 CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly
@@ -105,10 +105,7 @@ MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
 CLOTH, CLOTH_NUMBERS = Table(66, 20, whole=True), Table(67, 24)
-PARTICLE, PARTICLE_LANES = (
-    Table(68, 8),
-    Table(69, 1),
-)  # and fields of particles: see `kickdrift.world.cloth.particle_lanes`
+PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.cloth.particle_lanes`
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth
 FACE_NUMBERS = Table(71, 8)
@@ -119,10 +116,7 @@ CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 4, whole=True), Table(77, 16)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)
-CLOTH_PAIR, CLOTH_PAIR_NUMBERS = (
-    Table(86, 6, whole=True),
-    Table(87, 14),
-)  # vertex and triangle, or edges, that may touch
+CLOTH_PAIR, CLOTH_PAIR_NUMBERS = Table(86, 6, whole=True), Table(87, 14)  # vertex and triangle, or edges
 CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
 NORMAL_TREE = Table(95, 8)  # likewise, over their normals
 CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 3, whole=True), Table(103, 2, whole=True)  # nodes

@@ -73,8 +73,7 @@ look_for_passes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
 
 FREE, SEARCHING, LAST, SHORTENED = 0.0, 1.0, 2.0, 3.0  # modes
-_MOST_ROUNDS = 200
-_ROUNDING = 2.220446049250313e-16
+_MOST_ROUNDS, _ROUNDING = 200, 2.220446049250313e-16
 _MOST_SHORT = 100.0  # consecutive cuts without time between: both laws lead back to the switch
 _SLIVER = 1e-9  # of a step: shorter remainders are left out
 

@@ -1,1 +1,1 @@
-"""Cloth: particles, held together by triangles that resist being stretched, sheared and folded."""
+"""Cloth: particles connected by triangles that resist stretching, shearing and bending."""

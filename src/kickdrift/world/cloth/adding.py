@@ -1,4 +1,4 @@
-"""How cloths come into a world, and leave it."""
+"""Adding cloths to a world, finding them by name, and removing them."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,23 +34,22 @@ class AddsCloths:
         name: str | None = None,
         **fabric: float,
     ) -> Cloth:
-        """Add a cloth that lies as a mesh of triangles does, without tension. It is of layer 0, and meets all shapes that do.
+        """Add a cloth with the shape of a triangle mesh, free of tension, on layer 0.
 
         Parameters
         ----------
         vertices : (N, 3) array_like
             m.
         triangles : (M, 3) array_like of int
-            Vertices of each, all of them counter-clockwise seen from the same side.
+            Vertices of each, all counter-clockwise as seen from the same side.
         warp : (3,) array_like
-            Direction of the threads along which it is stretched; the weft lies across.
+            Direction of the warp threads; the weft is perpendicular to it.
         self_collision : bool
-            Whether it collides with itself, which takes several times as long; with other cloths it does in any case.
+            Whether it collides with itself, which takes several times as long; it always collides with other cloths.
         name : str, optional
         **fabric
-            Those of `density`, `thickness`, `stretch_stiffness`, `shear_stiffness`, `bending_stiffness`, `damping`,
-            `linear_damping`, `friction`, `drag`, `lift`, `air_density` and `tear_strain` in which it differs from
-            `kickdrift.world.cloth.fabric.Fabric`, which says what they are.
+            `density`, `thickness`, `stretch_stiffness`, `shear_stiffness`, `bending_stiffness`, `damping`, `linear_damping`,
+            `friction`, `drag`, `lift`, `air_density` and `tear_strain`, as in `kickdrift.world.cloth.fabric.Fabric`.
 
         Returns
         -------
@@ -60,7 +59,7 @@ class AddsCloths:
         Raises
         ------
         ArgumentError
-            For a mesh that a cloth cannot be made of, and numbers that cannot be; the sentence names the vertex or triangle.
+            For an invalid mesh, whose vertex or triangle the message names, and for invalid numbers.
 
         Examples
         --------
@@ -89,18 +88,18 @@ class AddsCloths:
         name: str | None = None,
         **fabric: float,
     ) -> Cloth:
-        """Add a rectangular cloth; see `add_cloth` for what is not said here.
+        """Add a rectangular cloth; other parameters as in `add_cloth`.
 
         Parameters
         ----------
         size : (2,) array_like
-            Along warp and weft, m: the x and the y axis before it is turned.
+            Along warp and weft, m: its x and y axes.
         vertices : (2,) array_like of int
             How many along each, two or more. Vertex ``i * ny + j`` is the i-th along the warp and the j-th along the weft.
         position : (3,) array_like
-            Of its middle, m.
+            Of its centre, m.
         orientation : (4,) array_like
-            Quaternion (w, x, y, z).
+            Quaternion (w, x, y, z) that turns its axes into the world's.
 
         Returns
         -------
@@ -109,7 +108,7 @@ class AddsCloths:
         Raises
         ------
         ArgumentError
-            For numbers that cannot be.
+            For invalid numbers.
 
         Examples
         --------
@@ -135,12 +134,12 @@ class AddsCloths:
         return self.add_cloth(at, triangles, warp=warp, self_collision=self_collision, name=name, **fabric)
 
     def cloth(self, name: str) -> Cloth:
-        """Return the cloth of a name.
+        """Return the cloth with a name.
 
         Raises
         ------
         UnknownNameError
-            If none has it; the sentence says which there are.
+            If there is none; the message lists the names.
 
         Examples
         --------
@@ -153,7 +152,7 @@ class AddsCloths:
         return self.cloths.handle(self.cloths.names.row(name))
 
     def remove_cloth(self, cloth: Cloth) -> None:
-        """Remove a cloth; what lay or hung on it falls. Indices of cloths that were added later become less by one.
+        """Remove a cloth, and wake bodies and cloths. Indices of cloths that were added later decrease by one.
 
         Raises
         ------

@@ -1,18 +1,18 @@
-"""Bending of a cloth: how its triangles resist being folded against each other.
+"""Bending of a cloth: forces from the curvature of its triangles.
 
 The curvature of a triangle, a symmetric tensor (xx, yy, sqrt 2 xy), follows from the angles at its three sides so that it is
 exact for every quadratic surface, on any mesh (Grinspun, Gingold, Reisman and Zorin, Computing discrete shape operators on
-general meshes, Eurographics 2006, section 4), which springs across edges are not. Of small angles it is a linear function H of
-the heights of six vertices, its corners and those across its sides. Of their positions x in space, H x is the same curvature
-along the normal, however the cloth is turned and rolled up without being stretched (Bergou, Wardetzky, Harmon, Zorin and
-Grinspun, A quadratic bending model for inextensible surfaces, SGP 2006): at a fold by theta the normal jumps by
+general meshes, Eurographics 2006, section 4), unlike with springs across edges. For small angles it is a linear function H of
+the heights of six vertices, its corners and those across its sides. Applied to their positions x in space, H x is the same
+curvature times the normal, however the cloth is rotated and rolled up without being stretched (Bergou, Wardetzky, Harmon, Zorin
+and Grinspun, A quadratic bending model for inextensible surfaces, SGP 2006): at a fold by theta the normal jumps by
 2 sin(theta / 2). The energy of an area A, that of a plate whose Poisson ratio is zero, is A D |H x - c n|^2 / 2 with the
-curvature c at rest and the normal n of the triangle. Where c is zero, force is linear in x, the same for all time: that of
-each vertex is a sum over some 18 others (`kickdrift.world.cloth.couplings`). Elsewhere -A D c H x . n is added, as |n| is one.
+curvature c at rest and the normal n of the triangle. If c is zero, the force is linear in x with constant coefficients: that on
+each vertex is a sum over some 18 others (`kickdrift.world.cloth.couplings`). Otherwise -A D c H x . n is added, as |n| is one.
 
-Damping is by the change of H x in a part of a substep, seen by who turns with the cloth: at the angular velocity for which
-least is damped, from which it follows that angular momentum stays. What turns against the rest of its cloth while it is bent
-is damped for that.
+Damping acts on the change of H x in a part of a substep, in a frame that rotates with the cloth: at the angular velocity for
+which the dissipation is smallest, which conserves angular momentum. Parts that rotate relative to the rest of a bent cloth
+are damped for that, too.
 """
 
 from typing import Any
@@ -62,7 +62,7 @@ from kickdrift.world.tables import (
 Floats = NDArray[np.float64]
 
 _SUMS = 9 * WIDTH
-_TURNS = 1e-12  # rad^2: cloths that are bent by less, all in all, have no frame that turns with them
+_TURNS = 1e-12  # rad^2: total bending below which the rotation of a cloth is undetermined
 
 
 @compiled
@@ -95,10 +95,10 @@ def add_bending(world: int, cloth: int, share: float, damped: float) -> None:
 
 @compiled
 def _couple(world: int, cloth: int, stiffness: float, ahead: float, sums: Any) -> None:
-    """Add what particles get from each other by where they are, and would be so many parts ahead, to the forces on them.
+    """Add the forces between coupled particles, extrapolated by `ahead` times their last change, to those on them.
 
-    Particles that follow each other and have the same couplings are done eight at a time; those of the last eight that have
-    been done already are skipped. `sums` are those of `_spin`, in lanes.
+    Consecutive particles with the same couplings are processed eight at a time; those of the last eight that have been
+    processed already are skipped. `sums` accumulate the sums of `_spin`, in lanes.
     """
     own, ranges = integers(world, CLOTH), integers(world, PARTICLE_COUPLINGS)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
@@ -130,6 +130,7 @@ def _couple(world: int, cloth: int, stiffness: float, ahead: float, sums: Any) -
 def _couple_one(
     world: int, i: int, first: int, last: int, stiffness: float, ahead: float, begin: int, sums: Any
 ) -> None:
+    """Do the same for a single particle."""
     offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     x, p = _vector(fields, size, PLACES, i), (0.0, 0.0, 0.0)
@@ -157,11 +158,11 @@ def _vector(fields: Any, size: int, field: int, i: int) -> Vector:
 
 @compiled
 def _spin(sums: Any, factor: float) -> Vector:
-    """Return the angular velocity w of who turns with the cloth, times a factor.
+    """Return the angular velocity w of the frame that rotates with the cloth, times a factor.
 
-    With the curves p = -H^T H x and their changes q the force is D (p + ahead (q - w x p)); its torque is zero for
-    that of sum x x q = sum (x . p) w - p (x . w), which also makes |H dx - w x H x| least: (tr S - S) w = torque, for S that is
-    negative. `sums` are the torque, and S as xx, yy, zz, xy, xz, yz, in lanes.
+    With p = -H^T H x and its last change q, the force is D (p + ahead (q - w x p)). Its torque is zero for the w that
+    satisfies sum x x q = sum (x . p) w - p (x . w), which also minimises |H dx - w x H x|: (tr S - S) w = torque, with S
+    negative definite. `sums` are the torque, and S as xx, yy, zz, xy, xz, yz, in lanes.
     """
     totals = carray(floats_on_stack(9), (9,))
     for k in range(9):
@@ -173,15 +174,17 @@ def _spin(sums: Any, factor: float) -> Vector:
     matrix = (trace - xx, trace - yy, trace - zz, -totals[6], -totals[7], -totals[8])
     inverse = inverse_symmetric(matrix)
     w = applied(inverse, torque)
-    again = applied(inverse, minus(torque, applied(matrix, w)))  # nearly flat cloths leave few digits
+    again = applied(
+        inverse, minus(torque, applied(matrix, w))
+    )  # refinement: for nearly flat cloths few digits are left
     return times(factor, plus(w, again))
 
 
 @compiled
 def _add_rest(world: int, cloth: int, stiffness: float) -> None:
-    """Add what triangles get that are curved at rest: the slopes of A c H x . n, with pulls A c H.
+    """Add the forces of the term A c H x . n of triangles that are curved at rest: its gradient, with PULLS = A c H.
 
-    The normal n = p x q / |p x q| of the sides p and q turns by what is across it of (dp x q + p x dq) / |p x q|.
+    The normal n = p x q / |p x q| of the sides p and q changes by the part of (dp x q + p x dq) / |p x q| perpendicular to it.
     """
     own, particle = integers(world, CLOTH), floats(world, PARTICLE)
     stencil, numbers = integers(world, CURVED_FACE), floats(world, CURVED_FACE_NUMBERS)

@@ -13,7 +13,7 @@ from kickdrift.world.contacts.layout import WIDTH
 
 
 def _couple(damped: bool) -> Any:
-    """Write the function that couples eight particles by bending, with or without damping."""
+    """Return the intrinsic that couples eight particles by bending, with or without damping."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         fields, offsets, weights = (begin_of(context, builder, signature.args[k], values[k]) for k in (0, 4, 5))
@@ -82,7 +82,7 @@ couple_lanes, couple_damped_lanes = _couple(False), _couple(True)
 
 @intrinsic
 def turn_lanes(context: Any, fields: Any, size: Any, i: Any, x: Any, y: Any, z: Any) -> Any:
-    """Take a vector (x, y, z) times the curves of eight particles, from `i` on, off the forces on them."""
+    """Subtract (x, y, z) x CURVES from the forces on eight particles, from `i` on."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         fields, size, i = begin_of(context, builder, signature.args[0], values[0]), values[1], values[2]

@@ -46,10 +46,10 @@ from kickdrift.world.tables import (
 
 @compiled
 def resolve_contacts(world: int, cloth: int, part: float, push: float, left: float) -> None:
-    """Stop the particles of a cloth from moving into shapes in a part of a substep; what they lose, bodies get.
+    """Stop the particles of a cloth from moving into shapes in a part of a substep, with the reactions on bodies.
 
-    The bodies move on with it for the time `left` in the substep, s. Particles that are inside already are put out, with the
-    speed `push` at most, m/s, and get no velocity from it.
+    Bodies move with their changes of velocity for the time `left` in the substep, s. Particles that are inside already are
+    pushed out, at most with the speed `push`, m/s, without gaining velocity.
     """
     cloths, contact, numbers = (
         integers(world, CLOTH),
@@ -106,7 +106,7 @@ def _resolve(world: int, row: int, part: float, push: float, left: float) -> Non
 
 @compiled(inline=True)
 def _response(world: int, body: int, arm: Vector, n: Vector) -> float:
-    """Return the velocity of a point of a body along a direction for an impulse along it, 1/kg."""
+    """Return the change of velocity of a point of a body along n by a unit impulse along n, 1/kg."""
     inverse = floats(world, INVERSE_MASS)
     lever = cross(arm, n)
     turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), lever)
@@ -116,7 +116,7 @@ def _response(world: int, body: int, arm: Vector, n: Vector) -> float:
 
 @compiled
 def _push_body(world: int, body: int, arm: Vector, impulse: Vector, left: float) -> None:
-    """Give a body an impulse at a point, which lies at `arm` from its centre of mass."""
+    """Apply an impulse to a body at a point, `arm` from its centre of mass."""
     inverse = floats(world, INVERSE_MASS)
     shift = times(inverse[body, INVERSE_LINEAR_MASS], impulse)
     turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
@@ -125,10 +125,10 @@ def _push_body(world: int, body: int, arm: Vector, impulse: Vector, left: float)
 
 @compiled
 def move_on(world: int, body: int, shift: Vector, turn: Vector, left: float) -> None:
-    """Add to the velocity and the angular velocity of a body.
+    """Add to the velocity and the angular velocity of a body, and move it with these for the time `left`, s.
 
-    The body has drifted through the substep already: with what it gets it moves on for the time that is `left`, s. If it did
-    so in the next substep only, a load on a spring of cloth would gain energy: a lag of h / 2 is a negative damping.
+    The body has drifted through the substep already. If the changes acted on its pose in the next substep only, a load on
+    a spring of cloth would gain energy: a lag of h / 2 is a negative damping.
     """
     motion, pose, delta = floats(world, MOTION), floats(world, POSE), floats(world, DELTA_POSE)
     for k in range(3):

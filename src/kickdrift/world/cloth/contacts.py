@@ -1,4 +1,4 @@
-"""Where the particles of a cloth touch the shapes of bodies: each is a ball as thick as the cloth."""
+"""Contacts between particles of cloths and shapes of bodies; each particle is a ball with the thickness as diameter."""
 
 import math
 from typing import Any
@@ -135,7 +135,7 @@ def _group(world: int, first: int, last: int) -> None:
 
 @compiled
 def _box(world: int, cloth: int, h: float) -> Box:
-    """Enclose a cloth, and what it moves through in a substep."""
+    """Return the bounds of a cloth and of its motion in a time h."""
     own, particle = integers(world, CLOTH), floats(world, PARTICLE)
     x, y, z, u, v, w, fastest = math.inf, math.inf, math.inf, -math.inf, -math.inf, -math.inf, 0.0
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
@@ -149,7 +149,7 @@ def _box(world: int, cloth: int, h: float) -> Box:
 
 @compiled
 def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> bool:
-    """Find the particles of a cloth that may touch a shape; False where there is no room for them."""
+    """Find the particles of a cloth that may touch a shape; False if there is no room for them."""
     own, particle, place = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PLACE)
     body, motion = integers(world, SHAPE)[shape, BODY_ROW], floats(world, MOTION)
     at, q = shape_pose(world, shape)
@@ -176,7 +176,7 @@ def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> 
 
 @compiled
 def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int, h: float) -> bool:
-    """Find where a particle may touch the triangles of a surface; False where there is no room."""
+    """Find the contacts of a particle with the triangles of a surface; False if there is no room."""
     p, bounds, near = vector_at(floats(world, PARTICLE), i, 0), floats(world, BOUNDS), flat(world, CLOTH_NEAR)
     reach = margin + floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     box = (p[0] - reach, p[1] - reach, p[2] - reach, p[0] + reach, p[1] + reach, p[2] + reach)
@@ -190,7 +190,7 @@ def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, 
 
 @compiled
 def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float, h: float) -> bool:
-    """Note where a particle touches a shape, or one of its triangles, if it does; False where there is no room."""
+    """Add the contact of a particle with a shape, or one of its triangles, if there is one; False if there is no room."""
     shapes, geometry = integers(world, SHAPE), flat(world, GEOMETRY)
     begin, size, kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
     if triangle >= 0:
@@ -216,7 +216,7 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
         return True
     normal = (manifold[NORMAL], manifold[NORMAL + 1], manifold[NORMAL + 2])
     on_a, on_b = _point(manifold, POINT + ON_A), _point(manifold, POINT + ON_B)
-    if kind <= SPHERE:  # all in the frame of the shape, from the shape
+    if kind <= SPHERE:  # the shape is the first of the pair
         normal = turned(q, normal)
         point, own_point = plus(at, turned(q, on_a)), minus(p, times(ball[0], normal))
     else:
@@ -232,7 +232,7 @@ def _point(manifold: Any, at: int) -> Vector:
 
 @compiled
 def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float, point: Vector, h: float) -> bool:
-    """Add a row for a particle that may touch a shape at a point; False where there is no room."""
+    """Add a row for a particle that may touch a shape at a point; False if there is no room."""
     row = rows(world, CLOTH_CONTACT)
     if row >= min(room(world, CLOTH_CONTACT), room(world, CLOTH_CONTACT_NUMBERS)):
         ask_for_room(world, CLOTH_CONTACT, 2 * row + 64)
@@ -249,7 +249,7 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
     moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
     if contact[row, MOVES_BODY] == 0:
         runs = plus(runs, moves)
-    # The body has moved already, the particle has not: the gap is that where the substep began.
+    # The body has moved already, the particle has not: the gap is that at the start of the substep.
     numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
@@ -259,7 +259,7 @@ def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float
 
 @compiled(inline=True)
 def _moves(world: int, i: int, body: int) -> bool:
-    """Whether a body takes what a particle gives it. One that sleeps does where it is hit, and wakes before the next step."""
+    """Whether a body receives the reaction of a particle; a sleeping one does if it is hit, and wakes before the next step."""
     own, v = integers(world, BODY), vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY)
     slow = floats(world, SETTINGS)[0, SLEEP_SPEED]
     takes: bool = own[body, BODY_KIND] == DYNAMIC and (own[body, AWAKE] != 0 or dot(v, v) > slow * slow)

@@ -31,15 +31,15 @@ Floats = NDArray[np.float64]
 
 
 def put_couplings(tables: Tables, row: int, mesh: ClothMesh) -> None:
-    """Write how the particles of a cloth act on each other by bending, with those that are pinned now.
+    """Write the couplings of the particles of a cloth by bending, given the present pins.
 
     Parameters
     ----------
     tables : Tables
     row : int
-        Of the cloth.
+        Row of the cloth.
     mesh : ClothMesh
-        As it lies without tension.
+        Its mesh at rest.
     """
     own, numbers = tables.array(CLOTH)[row], tables.array(CLOTH_NUMBERS)[row]
     vertices, faces = slice(*own[c.FIRST_PARTICLE :][:2]), slice(*own[c.FIRST_FACE :][:2])
@@ -56,7 +56,7 @@ def put_couplings(tables: Tables, row: int, mesh: ClothMesh) -> None:
 
 
 def _curved(bending: Bending, areas: Floats, first: int) -> Mapping[Table, NDArray[Any]]:
-    """Return the rows of triangles that are curved at rest, of a cloth whose particles are those from `first` on."""
+    """Return the rows of triangles that are curved at rest, for a cloth whose first particle is `first`."""
     curved = np.flatnonzero(bending.rest.any(axis=1))
     rest, size = bending.rest[curved], areas[curved, None]
     stencils = np.zeros((len(curved), CURVED_FACE.width), dtype=np.int64)

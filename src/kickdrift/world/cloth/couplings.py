@@ -12,21 +12,21 @@ from kickdrift.world.cloth.mesh import NONE, ClothMesh
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_FLAT = 1e-9  # rad, below which a triangle is not bent at rest
-# Of the largest weight, what weights are rounded to, so that those that differ by rounding are the same: momentum is kept to
-# the last digit, and vertices of a grid share their couplings. A force then errs by 1e-12 of itself.
+_FLAT = 1e-9  # rad: angle below which a triangle is flat at rest
+# Weights are rounded to this fraction of the largest, so that those that differ by rounding errors become equal: momentum is
+# conserved to the last digit, and vertices of a grid share their couplings. The relative error of forces is 1e-12.
 _ROUNDING = 2.0**-40
 
 
 class Bending(NamedTuple):
-    """The curvature of triangles as a linear function of where six vertices are, less what it is at rest.
+    """The curvature of triangles as a linear function of the positions of six vertices, and at rest.
 
     Attributes
     ----------
     rows : (M, 3, 6) array
-        H: curvature, as a vector each of xx, yy and sqrt 2 xy, over positions, 1/m^2.
+        H: derivatives of the curvature (xx, yy, sqrt 2 xy), each times the normal, by positions, 1/m^2.
     stencils : (M, 6) array
-        The vertices; where there is none across the border the first corner, whose number in `rows` is then zero.
+        The vertices; instead of one beyond the border the first corner, with zero in `rows`.
     rest : (M, 3) array
         c: curvature at rest along the normal, 1/m.
     """
@@ -37,14 +37,14 @@ class Bending(NamedTuple):
 
 
 class Couplings(NamedTuple):
-    """What bending gives vertices from each other.
+    """Forces of bending between pairs of vertices.
 
     Attributes
     ----------
     ranges : (N, 2) array
-        First and one after the last of the couplings of each vertex; vertices whose couplings are alike share them.
+        First coupling of each vertex, and one after the last; vertices with equal couplings share them.
     offsets : (C,) array
-        By how much the other vertex has the larger number.
+        Index of the other vertex less that of the vertex.
     weights : (C,) array
         Force over distance and bending stiffness, 1/m^2.
     """
@@ -55,10 +55,10 @@ class Couplings(NamedTuple):
 
 
 def bending_of(mesh: ClothMesh, curvature: Curvature) -> Bending:
-    """Turn curvature from heights into one from positions in space.
+    """Return the curvature as a function of positions in space, from that as a function of heights.
 
-    Of a triangle that is folded against its neighbours at rest, H has a part along it, too: it is a sum of two sides of the
-    triangle, and taken off H, as the same sum of the sides, however these lie.
+    For a triangle that is folded against its neighbours at rest, H x has a tangential part, a linear combination of two sides.
+    The same combination of the present sides is subtracted in H.
     """
     rows: Floats = curvature.weights @ curvature.jumps
     stencils = np.where(curvature.stencils == NONE, mesh.triangles[:, :1], curvature.stencils)
@@ -76,7 +76,7 @@ def bending_of(mesh: ClothMesh, curvature: Curvature) -> Bending:
 
 
 def couplings_of(bending: Bending, areas: Floats, count: int) -> Couplings:
-    """Add up the forces between the pairs among so many vertices: sum A H^T H, but for its diagonal."""
+    """Sum the forces between pairs of `count` vertices over triangles: the off-diagonal elements of sum A H^T H."""
     rows = bending.rows * np.sqrt(areas)[:, None, None]
     starts, columns = np.arange(0, rows.size + 1, 6), np.broadcast_to(bending.stencils[:, None, :], rows.shape)
     roots = csr_array((rows.ravel(), columns.ravel(), starts), shape=(3 * len(rows), count))
@@ -92,7 +92,7 @@ def couplings_of(bending: Bending, areas: Floats, count: int) -> Couplings:
 
 
 def _shared(starts: Integers, columns: Integers, weights: Floats) -> Couplings:
-    """Find out which rows of a matrix are the same but for where they stand."""
+    """Return the couplings from the rows of a sparse matrix, with rows that are equal up to a shift stored once."""
     offsets = columns - np.repeat(np.arange(len(starts) - 1), np.diff(starts))
     found: dict[bytes, int] = {}
     ranges, kept, end = np.empty((len(starts) - 1, 2), dtype=np.int64), [], 0

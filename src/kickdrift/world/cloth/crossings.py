@@ -1,9 +1,9 @@
-"""What stops cloth from crossing cloth in the drift of a part of a substep, where impulses at its start did not.
+"""Continuous collision detection of cloth in the drift of a part of a substep, and impulses against crossings.
 
-When a pair gets too near while its particles move along straight lines is found by conservative advancement: a step is never
-longer than the distance allows, so that no crossing is missed (Li, Kaufman and Jiang, Codimensional incremental potential
-contact, SIGGRAPH 2021, section 5.2). Such a pair gets an impulse that ends its approach there; what is still too near after
-some rounds moves as rigid bodies do (Bridson, Fedkiw and Anderson, Robust treatment of collisions, contact and friction for
+The time at which a pair gets too close while its particles move along straight lines is found by conservative advancement: its
+steps are bounded by the distance, so that no crossing is missed (Li, Kaufman and Jiang, Codimensional incremental potential
+contact, SIGGRAPH 2021, section 5.2). Such a pair gets an impulse that stops its approach there; pairs that are still too close
+after some rounds move as rigid bodies (Bridson, Fedkiw and Anderson, Robust treatment of collisions, contact and friction for
 cloth animation, SIGGRAPH 2002, section 7.3).
 """
 
@@ -27,15 +27,15 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_NEAR = 0.1  # of the distance where a part begins, that is left at least
-_LOOKS = 60  # at a pair, after which it counts as too near
+_NEAR = 0.1  # of the distance at the start of a part: the smallest one allowed in it
+_LOOKS = 60  # advancement steps, after which a pair counts as too close
 _ROUNDS, _ZONE_ROUNDS = 4, 40
 _NEVER = 2.0
 
 
 @compiled
 def stop_crossings(world: int, part: float) -> None:
-    """See that nothing crosses in the drift of a part of a substep, s, and note how far it goes."""
+    """Ensure that nothing crosses in the drift of a part of a substep, s, and update TRAVELLED."""
     if rows(world, CLOTH_PAIR) == 0:
         return
     search = floats(world, CLOTH_SEARCH)
@@ -53,7 +53,7 @@ def stop_crossings(world: int, part: float) -> None:
 
 @compiled
 def _stop(world: int, part: float, travelled: float, zones: bool) -> int:
-    """Stop pairs that get too near, or let them join zones; return how many. `travelled` is what it will be after the drift."""
+    """Stop pairs that get too close, or add them to zones; return their number. `travelled` is TRAVELLED after the drift."""
     pair, numbers, hits = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), 0
     for row in range(rows(world, CLOTH_PAIR)):
         kind, near = pair[row, PAIR_KIND], numbers[row, PAIR_APART] <= travelled - numbers[row, PAIR_SEEN]
@@ -76,9 +76,9 @@ def _stop(world: int, part: float, travelled: float, zones: bool) -> int:
 
 @compiled
 def _correct(world: int, row: int, part: float, weights: Weights, way: Vector) -> None:
-    """Let a pair be as far apart at the end of the part as it is at its hit, along that way.
+    """Make the distance of a pair at the end of the part, along `way`, as large as it is at its hit.
 
-    An impulse stops its approach; what it is shifted by besides is taken back by a shift, which gives no velocity.
+    An impulse stops its approach; approach due to shifts is compensated by a shift, which gives no velocity.
     """
     at, particle = particles_of(world, row), floats(world, PARTICLE)
     apart = length(way)
@@ -104,20 +104,21 @@ def _correct(world: int, row: int, part: float, weights: Weights, way: Vector) -
 
 @compiled(inline=True)
 def _ways(world: int, row: int, part: float) -> Ways:
-    """Return how the particles of a pair move in a part, less their mean."""
+    """Return the displacements of the particles of a pair in a part, less their mean."""
     p, a, b, c = particles_of(world, row)
     return less_mean(_way(world, p, part), _way(world, a, part), _way(world, b, part), _way(world, c, part))
 
 
 @compiled(inline=True)
 def _way(world: int, i: int, part: float) -> Vector:
+    """Return the displacement of a particle in a part, m."""
     drift = times(part, vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY))
     return plus(drift, vector_at(floats(world, PARTICLE_SHIFT), i, 0))
 
 
 @compiled
 def _time_of_hit(world: int, row: int, kind: int, ways: Ways, bound: float) -> tuple[float, Weights, Vector]:
-    """Return when a pair is too near, from 0 to 1, or `_NEVER`; and its weights and distance then."""
+    """Return the time from 0 to 1 at which a pair is too close, or `_NEVER`, with its weights and distance vector then."""
     at, particle = particles_of(world, row), floats(world, PARTICLE)
     p, a = vector_at(particle, at[0], 0), vector_at(particle, at[1], 0)
     b, c = vector_at(particle, at[2], 0), vector_at(particle, at[3], 0)

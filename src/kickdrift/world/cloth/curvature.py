@@ -1,4 +1,4 @@
-"""How the curvature of a triangle follows from the angles at its sides; see `kickdrift.world.cloth.bending`."""
+"""The curvature of triangles from the angles at their sides; see `kickdrift.world.cloth.bending`."""
 
 import math
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from kickdrift.world.cloth.mesh import NONE, ClothMesh
 
 Floats = NDArray[np.float64]
 
-# Below this part of the largest singular value, angles do not tell that curvature: the six corners are nearly on a conic.
+# Fraction of the largest singular value below which a curvature is undetermined: the six corners are nearly on a conic.
 _UNKNOWN = 1e-3
 
 
@@ -20,11 +20,11 @@ class Curvature(NamedTuple):
     Attributes
     ----------
     weights : (M, 3, 3) array
-        Curvature (xx, yy, sqrt 2 xy) over the angle at each side, 1/m; zeros for sides on the border, where nothing bends.
+        Derivatives of the curvature (xx, yy, sqrt 2 xy) by the angle at each side, 1/m; zeros for sides on the border.
     jumps : (M, 3, 6) array
-        Angles at the sides over the heights of the corners and of those across the three sides, 1/m.
+        Derivatives of the angles at the sides by the heights of the corners and of the vertices across the sides, 1/m.
     stencils : (M, 6) array
-        These corners; `NONE` across the border.
+        These vertices; `NONE` beyond the border.
     """
 
     weights: Floats
@@ -33,19 +33,19 @@ class Curvature(NamedTuple):
 
 
 def curvature_of(mesh: ClothMesh, flat: Floats, pinned: NDArray[np.bool_]) -> Curvature:
-    """Find the curvature that angles stand for, so that those of every quadratic surface give its own.
+    """Return the curvature as a function of angles and heights that is exact for every quadratic surface.
 
-    A triangle all of whose corners are pinned is clamped: it does not bend, and beside it only the half of an angle that
-    lies in the other triangle does. A strip of n segments, clamped at its end, then sags by 1 / (2 n^2) too much, without by
-    3 / (2 n).
+    A triangle whose corners are all pinned is clamped: it does not bend, and of the angle to its neighbour only the half that
+    belongs to the neighbour counts. A strip of n segments, clamped at its end, then sags by 1 / (2 n^2) too much, and otherwise
+    by 3 / (2 n).
 
     Parameters
     ----------
     mesh : ClothMesh
     flat : (M, 3, 2) array
-        As of `kickdrift.world.cloth.mesh.flattened`.
+        From `kickdrift.world.cloth.mesh.flattened`.
     pinned : (N,) array of bool
-        Vertices that only move as they are told to.
+        Which vertices are pinned.
     """
     clamped: NDArray[np.bool_] = np.logical_and.reduce(pinned[mesh.triangles], axis=1)
     neighbours = _neighbours(mesh)
@@ -93,7 +93,7 @@ def _across(mesh: ClothMesh, inner: NDArray[np.intp], k: int) -> NDArray[np.int6
 
 
 def _place(mesh: ClothMesh, inner: NDArray[np.intp], k: int, across: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Return where vertices are along the sides that they lie across, as a part of these, and how far beyond, m."""
+    """Return positions of vertices across sides: along the sides, as a fraction of these, and the distance from them, m."""
     start = mesh.vertices[mesh.triangles[inner, k]]
     edge = mesh.vertices[mesh.triangles[inner, (k + 1) % 3]] - start
     way = mesh.vertices[across] - start

@@ -29,7 +29,7 @@ Integers = NDArray[np.int64]
 
 
 def cloth_energy(tables: Tables) -> tuple[float, float]:
-    """Measure the kinetic energy of all cloths, and what they have by gravity and by being stretched and folded, J."""
+    """Measure the kinetic and the potential energy of all cloths, gravitational and elastic, J."""
     if tables.count(CLOTH) == 0:
         return 0.0, 0.0
     particles = tables.array(PARTICLE)
@@ -41,14 +41,14 @@ def cloth_energy(tables: Tables) -> tuple[float, float]:
 
 
 def cloth_momentum(tables: Tables) -> Floats:
-    """Measure the momentum, (3,), kg m/s, of vertices that are free or pinned to bodies that are."""
+    """Measure the momentum, (3,), kg m/s, of vertices that are free or pinned to dynamic bodies."""
     particles = tables.array(PARTICLE)
     total: Floats = _moved(tables) @ particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
     return total
 
 
 def cloth_angular_momentum(tables: Tables) -> Floats:
-    """Measure the angular momentum about the origin, (3,), kg m^2/s, of vertices that are free or pinned to bodies that are."""
+    """Measure the angular momentum about the origin, (3,), kg m^2/s, of vertices that are free or pinned to dynamic bodies."""
     particles = tables.array(PARTICLE)
     push = _moved(tables)[:, None] * particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
     total: Floats = cross(particles[:, :3], push).sum(axis=0)
@@ -56,7 +56,7 @@ def cloth_angular_momentum(tables: Tables) -> Floats:
 
 
 def _moved(tables: Tables) -> Floats:
-    """Return the masses of the particles that are free, or pinned to bodies that are; zero of others."""
+    """Return the masses of particles that are free or pinned to dynamic bodies, and zero for others, (P,), kg."""
     particles, pins = tables.array(PARTICLE), tables.array(PIN)
     moved = np.where(particles[:, c.PARTICLE_INVERSE_MASS] > 0.0, particles[:, c.PARTICLE_MASS], 0.0)
     carried = pins[tables.array(BODY)[pins[:, c.PINNED_BODY], BODY_KIND] == DYNAMIC, c.PINNED_PARTICLE]
@@ -65,6 +65,7 @@ def _moved(tables: Tables) -> Floats:
 
 
 def _membrane(tables: Tables, x: Floats) -> float:
+    """Return the energy of stretching and shear, J."""
     own = tables.array(CLOTH)
     of_faces = np.repeat(tables.array(CLOTH_NUMBERS), own[:, c.LAST_FACE] - own[:, c.FIRST_FACE], axis=0)
     corners = x[tables.array(FACE)[:, c.CORNERS : c.CORNERS + 3]]
@@ -79,6 +80,7 @@ def _membrane(tables: Tables, x: Floats) -> float:
 
 
 def _bending(tables: Tables, x: Floats) -> float:
+    """Return the energy of bending, J."""
     total = 0.0
     for own, numbers in zip(tables.array(CLOTH), tables.array(CLOTH_NUMBERS), strict=True):
         here, other, rows = _coupled_pairs(own, tables.array(PARTICLE_COUPLINGS), tables.array(COUPLING))

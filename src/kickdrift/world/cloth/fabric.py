@@ -1,4 +1,4 @@
-"""What a cloth is made of."""
+"""Material parameters of cloths."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -15,42 +15,42 @@ _UNITS = {
 }  # fmt: skip
 
 
-_SMALLEST, _LARGEST = 1e-15, 1e15  # of all of them: squares of what follows from them are finite
+_SMALLEST, _LARGEST = 1e-15, 1e15  # range of all parameters, in which squares of derived quantities are finite
 
 
 @dataclass(frozen=True)
 class Fabric:
-    """What a cloth is made of.
+    """The material parameters of a cloth.
 
     Attributes
     ----------
     density : float
-        kg/m^2.
+        Mass per area, kg/m^2.
     thickness : float
-        m: vertices keep half of it away from shapes. Bodies that are narrower than its triangles pass between them.
+        m; vertices keep half of it away from shapes. Bodies narrower than its triangles pass between vertices.
     stretch_stiffness, shear_stiffness : float
-        Tension over strain along warp and weft, and shear force over the shear angle, both of a metre's width, N/m.
+        Tension per strain along warp and weft, and shear force per shear angle, both per metre of width, N/m.
     bending_stiffness : float
-        Moment over curvature of a metre's width, N m.
+        Moment per curvature, per metre of width, N m.
     damping : float
-        Of its strains, s: they count as they would be so much later. What is more than the step allows is left out, which
-        the message of a recording says.
+        Retardation time of the strains, s: forces are those of the strains so much later. It is reduced to what the step
+        allows, which the message of a recording tells.
     linear_damping : float
-        Of its velocities, 1/s.
+        Rate at which velocities decay, 1/s.
     friction : float
-        Coefficient; of a cloth and a shape the geometric mean counts.
+        Coefficient of friction; a cloth and a shape in contact use the geometric mean.
     drag, lift : float
-        Coefficients; see `kickdrift.world.cloth.wind.add_wind`. About 1.2 is that of a plate across the wind.
+        Coefficients; see `kickdrift.world.cloth.wind.add_wind`. A plate perpendicular to the wind has a drag of about 1.2.
     air_density : float
         kg/m^3.
     tear_strain : float
-        The largest strain around a vertex, in any direction, at which it comes apart there; zero if it does not tear. A strain
-        of one is twice the length.
+        Largest principal strain, averaged over the triangles around a vertex, above which the cloth tears there; zero if it
+        does not tear. A strain of one is twice the length.
 
     Raises
     ------
     ArgumentError
-        For numbers that cannot be, or lie so far out that the step could not count with them.
+        For invalid numbers, and for numbers outside the supported range.
     """
 
     density: float = 0.2
@@ -81,7 +81,7 @@ def fabric_of(options: Mapping[str, Any]) -> Fabric:
     Raises
     ------
     ArgumentError
-        For options that there are none of, and numbers that cannot be.
+        For unknown options, and for invalid values.
     """
     known = [field.name for field in fields(Fabric)]
     unknown = [name for name in options if name not in known]

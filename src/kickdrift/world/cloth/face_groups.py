@@ -1,4 +1,4 @@
-"""Groups of eight triangles of a cloth, so that as many as can be have corners that follow each other in the tables."""
+"""Groups of eight triangles of a cloth, in as many of which as possible the corners are consecutive rows of the tables."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,9 @@ from kickdrift.world.contacts.layout import WIDTH
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_ROUNDING = 2.0**-40  # of the largest number at rest: triangles of a grid are the same but for rounding
+_ROUNDING = (
+    2.0**-40
+)  # of the largest number at rest, to which they are rounded: triangles of a grid differ by rounding errors
 
 
 class FaceGroups(NamedTuple):
@@ -20,11 +22,11 @@ class FaceGroups(NamedTuple):
     ----------
     corners : (G, 3, 8) array
     rests : (R, 5, 8) array
-        `TO_REST` and `FACE_AREA`, of groups that differ; zero areas of triangles that fill a group up.
+        `TO_REST` and `FACE_AREA` of distinct groups; triangles that pad a group have zero area.
     of : (G,) array
         Rows of `rests`.
     in_rows : (G,) array of bool
-        Whether all corners follow each other.
+        Whether the corners of the eight triangles are consecutive.
     """
 
     corners: Integers
@@ -34,7 +36,7 @@ class FaceGroups(NamedTuple):
 
 
 def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
-    """Put triangles, (M, 3), with these numbers at rest, (M, 5), into groups."""
+    """Divide triangles, (M, 3), with numbers at rest, (M, 5), into groups."""
     largest = np.abs(rest).max(axis=0)
     steps = np.where(largest > 0.0, largest, 1.0) * _ROUNDING
     rounded = np.rint(rest / steps)
@@ -53,6 +55,6 @@ def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
     numbers.reshape(-1, 5)[len(order) :, 4] = 0.0
     rests, of = np.unique(numbers.transpose(0, 2, 1).reshape(len(members), -1), axis=0, return_inverse=True)
     in_rows = np.arange(len(members)) < len(rows) // WIDTH
-    near = np.argsort(triangles[members[:, 0], 0], kind="stable")  # what is beside each other one after the other
+    near = np.argsort(triangles[members[:, 0], 0], kind="stable")  # adjacent groups one after the other
     corners = triangles[members].transpose(0, 2, 1)
     return FaceGroups(corners[near], rests.reshape(-1, 5, WIDTH), of.ravel()[near], in_rows[near])

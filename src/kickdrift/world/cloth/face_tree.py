@@ -1,8 +1,8 @@
-"""Trees over the triangles of cloths, halved as they lie without tension, so that nodes are patches.
+"""Trees over the triangles of cloths, built on the mesh at rest, so that nodes are patches.
 
-A patch that is one piece, and whose normals are near one direction, does not touch itself: where the tree is walked, nothing
-below it is (Volino and Magnenat Thalmann, Efficient self-collision detection on smoothly discretized surface animations
-using geometrical shape regularity, Eurographics 1994).
+A connected patch whose normals are close to one direction does not touch itself, so the search for pairs skips its node
+(Volino and Magnenat Thalmann, Efficient self-collision detection on smoothly discretized surface animations using geometrical
+shape regularity, Eurographics 1994).
 """
 
 from typing import NamedTuple
@@ -18,21 +18,21 @@ from kickdrift.world.collision.bvh import BRANCH, TWIG
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_BUNCH = 4  # triangles of a twig, at most
+_BUNCH = 4  # largest number of triangles of a twig
 
 
 class FaceTree(NamedTuple):
-    """A tree as of `kickdrift.world.collision.bvh`.
+    """A tree as in `kickdrift.world.collision.bvh`.
 
     Attributes
     ----------
     items, skips : (K,) array
-        Triangles, `TWIG` or `BRANCH`; nodes that come after all that is below.
+        Triangle, `TWIG` or `BRANCH` of each node; the node after its last descendant.
     connected : (K,) array
-        Whether its triangles are one piece.
+        Whether the triangles of a node are connected.
     neighbours : (P, 3) array
-        Pairs of nodes of one level, the earlier one first and sorted, and one that joins them to one piece, by sharing sides
-        with both: the second itself where that is enough.
+        Sorted pairs of nodes of one level, the earlier one first, and a node of that level which shares edges with both, so
+        that the triangles of the three are connected: the second itself where the pair shares an edge.
     """
 
     items: Integers
@@ -59,7 +59,7 @@ def face_tree(mesh: ClothMesh) -> FaceTree:
             skips += [node + 1 + len(faces), *range(node + 2, node + 2 + len(faces))]
             continue
         items.append(int(BRANCH))
-        skips.append(0)  # which `fit` finds
+        skips.append(0)  # set by `fit`
         axis = int(np.argmax(np.ptp(centres[faces], axis=0)))
         order = faces[np.argsort(centres[faces, axis], kind="stable")]
         waiting += [(order[len(order) // 2 :], depth + 1), (order[: len(order) // 2], depth + 1)]
@@ -71,7 +71,7 @@ def face_tree(mesh: ClothMesh) -> FaceTree:
 def _mark_pieces(
     mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers
 ) -> Integers:
-    """Mark nodes whose triangles are not one piece, a level at a time, and return which of the others share sides."""
+    """Write which nodes have connected triangles, level by level, and return `FaceTree.neighbours` of those that have."""
     count, neighbours = len(mesh.triangles), [np.empty((0, 2), dtype=np.int64)]
     face, side = np.nonzero(mesh.sides != NONE)
     order = np.argsort(mesh.sides[face, side], kind="stable")
@@ -92,7 +92,7 @@ def _mark_pieces(
 
 
 def _joined(pairs: Integers, count: int) -> Integers:
-    """Return pairs, (P, 2), of so many nodes, and those that a third one joins; see `FaceTree`."""
+    """Return `FaceTree.neighbours` of `count` nodes, from the pairs that share edges, (P, 2)."""
     both = np.concatenate((pairs, pairs[:, ::-1]))
     both = both[np.lexsort((both[:, 1], both[:, 0]))]
     starts = np.searchsorted(both[:, 0], np.arange(count + 1))
@@ -107,7 +107,7 @@ def _joined(pairs: Integers, count: int) -> Integers:
 
 
 def owned(triangles: Integers) -> Integers:
-    """Return which of their corners and sides triangles have that none before has, as in the column `OWNED`."""
+    """Return the sets of corners and sides that each triangle is the first to have, (M,), as in the column `OWNED`."""
     corners, count = triangles.ravel(), len(triangles)
     sets = np.zeros(3 * count, dtype=np.int64)
     sets[np.unique(corners, return_index=True)[1]] = 1

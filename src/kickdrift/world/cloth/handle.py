@@ -1,4 +1,4 @@
-"""The handle of a cloth: what it says of the cloth, and what it sets."""
+"""The handle of a cloth, which reads and sets its properties."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class Cloth(Handle):
     Attributes
     ----------
     index : int
-        How many cloths of the world come before it: one less where one of those is removed.
+        Its position among the cloths of the world, from 0, which decreases when an earlier cloth is removed.
 
     Notes
     -----
-    Positions and velocities are live views, a row a vertex: what is written into them moves the cloth. Pinned vertices move
-    with the velocities that they are given, or with the body that they are pinned to.
+    Positions and velocities are live views with one row per vertex: writing into them moves the cloth. Pinned vertices move
+    with the velocities that are written for them, or with the body that they are pinned to.
     """
 
     __slots__ = ("_cloths",)
@@ -54,13 +54,13 @@ class Cloth(Handle):
 
     @property
     def index(self) -> int:
-        """How many cloths of the world come before it; of one that was removed, how many came."""
+        """Its position among the cloths of the world, from 0; of a removed cloth, the last one."""
         self._index = self._cloths.index_of(self._generation, self._index)
         return self._index
 
     @property
     def position(self) -> Floats:
-        """Where the vertices are, (N, 3), m."""
+        """Positions of the vertices, (N, 3), m."""
         return self._cloths.particles(self)[:, 0:3]
 
     @property
@@ -80,16 +80,15 @@ class Cloth(Handle):
 
     @property
     def stiffness(self) -> tuple[float, float, float]:
-        """Stiffness against stretching and shear, N/m, and bending, N m, as they are in use.
+        """Stiffness against stretching and shear, N/m, and bending, N m, that is in use.
 
-        They are lower than those that the cloth was made with where the step does not allow so much; a smaller step or more
-        substeps do.
+        It is lower than that of the fabric if the step is too long for it; a smaller step or more substeps raise it.
         """
         return self._cloths.stiffness(self)
 
     @property
     def wind(self) -> Floats:
-        """Velocity of the air around it, (3,), m/s, a copy; may be given anew."""
+        """Velocity of the air around it, (3,), m/s, a copy; can be set."""
         return self._cloths.numbers(self, "wind")
 
     @wind.setter
@@ -98,7 +97,7 @@ class Cloth(Handle):
 
     @property
     def friction(self) -> float:
-        """Coefficient of friction; may be given anew."""
+        """Coefficient of friction; can be set."""
         return float(self._cloths.numbers(self, "friction")[0])
 
     @friction.setter
@@ -107,7 +106,7 @@ class Cloth(Handle):
 
     @property
     def tear_strain(self) -> float:
-        """Strain at which it tears, 0.0 if it does not; may be given anew."""
+        """Strain above which it tears, 0.0 if it does not; can be set."""
         return float(self._cloths.numbers(self, "tear_strain")[0])
 
     @tear_strain.setter
@@ -115,20 +114,20 @@ class Cloth(Handle):
         self._cloths.set_numbers(self, "tear_strain", number("tear_strain", tear_strain, "1"))
 
     def cut(self, point: ArrayLike, normal: ArrayLike) -> int:
-        """Cut it along the edges of its triangles that are nearest to a plane: each triangle goes with the side of its middle.
+        """Cut it by a plane along edges: triangles whose centroids are on different sides are separated.
 
-        Vertices on the cut are split. Those that are new come after all others, with the velocities that these had, their
-        shares of the mass, and what they were pinned to; mass and momentum stay.
+        Vertices on the cut are split. The new ones are appended, with the velocities and pins of their originals and a share of
+        their mass; mass and momentum are conserved.
 
         Parameters
         ----------
         point, normal : (3,) array_like
-            A point of the plane, m, and a direction across it.
+            A point of the plane, m, and its normal, of any length.
 
         Returns
         -------
         int
-            How many vertices it has more.
+            Number of vertices added.
 
         Raises
         ------
@@ -146,29 +145,30 @@ class Cloth(Handle):
         return self._cloths.cut(self, vector("point", point, 3), direction("normal", normal))
 
     def pin(self, vertices: ArrayLike, body: Body | None = None) -> None:
-        """Hold vertices where they are, or to where they are on a body.
+        """Pin vertices at their present positions, in the world or on a body.
 
         Without a body they stand still, or move with the velocities that are written into `velocity`.
 
         Parameters
         ----------
         vertices : array_like of int
+            Their indices.
         body : Body, optional
-            Which takes what they pull with.
+            The body that carries them, and feels their pull.
 
         Raises
         ------
         ArgumentError
-            For vertices that there are none of, and a body that is gone.
+            For vertices that do not exist, and for a removed body.
         """
         self._cloths.pin(self, vertices, body)
 
     def unpin(self, vertices: ArrayLike) -> None:
-        """Let vertices go; those that are free stay free.
+        """Release pinned vertices; others are not affected.
 
         Raises
         ------
         ArgumentError
-            For vertices that there are none of.
+            For vertices that do not exist.
         """
         self._cloths.unpin(self, vertices)

@@ -1,4 +1,4 @@
-"""What has to hold of the tables of cloths that come from a file: compiled code trusts every index in them."""
+"""Checks of the tables of cloths read from a file, since compiled code trusts every index in them."""
 
 from typing import TYPE_CHECKING
 
@@ -17,12 +17,12 @@ _RANGES = (
 
 
 def check_cloths(rows: "Rows") -> None:
-    """Check them.
+    """Check the tables of cloths.
 
     Raises
     ------
     ValueError
-        If a number in them could lead a step astray.
+        If an index in them is out of range, or a number is invalid or inconsistent with others.
     """
     for name, of in (
         ("CLOTH_NUMBERS", "CLOTH"),
@@ -57,7 +57,7 @@ def check_cloths(rows: "Rows") -> None:
 
 
 def _check_indices(rows: "Rows", name: str, first: int, size: int, own: int, of: int) -> None:
-    """Ask that columns of a table, of which each cloth has those from `own` on, are rows of the same cloth from `of` on."""
+    """Check that `size` columns of the rows of each cloth, its range `own`, are indices in its range `of`."""
     cloths, values = rows["CLOTH"], rows[name][:, first : first + size]
     cloth = np.repeat(np.arange(len(cloths)), cloths[:, own + 1] - cloths[:, own])
     least, most = cloths[cloth, of][:, None], cloths[cloth, of + 1][:, None]
@@ -72,7 +72,7 @@ def _check_parents(rows: "Rows") -> None:
 
 
 def _check_couplings(rows: "Rows") -> None:
-    """Ask that couplings are those of a cloth, one range after the other, and couple particles of the same cloth."""
+    """Check that the couplings of particles are in the range of their cloth, and couple particles of the same cloth."""
     for own in rows["CLOTH"]:
         first, last = own[c.FIRST_PARTICLE], own[c.LAST_PARTICLE]
         ranges = rows["PARTICLE_COUPLINGS"][first:last, c.COUPLINGS : c.COUPLINGS + 2]

@@ -1,4 +1,4 @@
-"""Eight triangles or particles at once: LLVM's vectors, with the arithmetic of Python."""
+"""LLVM vectors of eight numbers, for eight triangles or particles at once, with Python's operators."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -17,7 +17,7 @@ _FLAGS = ("contract", "nsz", "reassoc", "arcp")
 
 
 class Lanes:
-    """A number in each of eight lanes, while code is being generated."""
+    """A vector of eight numbers in the code that is being generated."""
 
     def __init__(self, builder: Any, value: Any) -> None:
         self.builder, self.value = builder, value
@@ -35,7 +35,7 @@ class Lanes:
         return Lanes(self.builder, self.builder.fdiv(self.value, other.value, flags=_FLAGS))
 
     def root(self) -> "Lanes":
-        """Square root."""
+        """Return the square root."""
         function = cgutils.get_or_insert_function(
             self.builder.module, ir.FunctionType(VECTOR, [VECTOR]), "llvm.sqrt.v8f64"
         )
@@ -43,7 +43,7 @@ class Lanes:
 
 
 def dot(a: Sequence[Lanes], b: Sequence[Lanes]) -> Lanes:
-    """Inner product."""
+    """Return the inner product of two vectors of three components."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -55,12 +55,12 @@ def same(builder: Any, number: Any) -> Lanes:
 
 
 def begin_of(context: Any, builder: Any, kind: Any, array: Any) -> Any:
-    """Pointer to the first number of an array."""
+    """Return a pointer to the first number of an array."""
     return context.make_array(kind)(context, builder, array).data
 
 
 def vector_pointer(builder: Any, begin: Any, index: Any) -> Any:
-    """Pointer to eight numbers of an array, which need not be aligned."""
+    """Return a pointer to eight numbers of an array, which need not be aligned."""
     return builder.bitcast(builder.gep(begin, [index]), VECTOR.as_pointer())
 
 
@@ -76,7 +76,7 @@ def plus(builder: Any, index: Any, more: int) -> Any:
 
 @intrinsic(prefer_literal=True)
 def rows_to_fields(context: Any, table: Any, i: Any, column: Any, fields: Any, at: Any, size: Any) -> Any:
-    """Copy three columns of eight rows of a table that is eight wide, from row i and a constant column on, to three fields."""
+    """Copy three columns, from a constant one on, of eight rows of a table of width eight, from row i on, to three fields."""
     first = column.literal_value
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -97,7 +97,7 @@ def rows_to_fields(context: Any, table: Any, i: Any, column: Any, fields: Any, a
 
 @intrinsic
 def drift_row(context: Any, table: Any, i: Any, time: Any) -> Any:
-    """Add to the first three numbers of a row of eight the fifth to the seventh times a time."""
+    """Add columns 4 to 6 of a row of eight, times a time, to columns 0 to 2."""
     moved = ir.Constant(VECTOR, [1.0, 1.0, 1.0, *[0.0] * 5])
     order = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [4, 5, 6, *[8] * 5])
 

@@ -1,12 +1,12 @@
-"""The membrane of a cloth: how it resists being stretched along warp and weft, and sheared.
+"""The membrane forces of a cloth: stretching along warp and weft, and shear.
 
-In each triangle the deformation is the same everywhere: F = (F_u, F_v), 3 x 2, takes a vector of the cloth at rest, in the
-axes of warp and weft, to space. Stretch is |F_u| - 1 and |F_v| - 1, shear is F_u . F_v, and the energy of an area A is
+The deformation gradient is constant in each triangle: F = (F_u, F_v), 3 x 2, maps vectors of the cloth at rest, in the axes of
+warp and weft, to space. Stretch is |F_u| - 1 and |F_v| - 1, shear is F_u . F_v, and the energy of an area A is
 
     A / 2 (k (|F_u| - 1)^2 + k (|F_v| - 1)^2 + g (F_u . F_v)^2)
 
 (Baraff and Witkin, Large steps in cloth simulation, SIGGRAPH 1998, section 4.2, as an energy density, so that it does not
-depend on the triangles). Damping is that of a Kelvin-Voigt solid: a strain counts as it would be `damping` later.
+depend on the mesh). Damping is that of a Kelvin-Voigt solid: forces are those of the strains extrapolated by `damping`, s.
 """
 
 import math
@@ -54,9 +54,10 @@ Floats = NDArray[np.float64]
 
 @compiled
 def add_membrane(world: int, cloth: int, share: float, damped: float) -> None:
-    """Add `share` times the forces of a cloth's membrane to those on its particles, and `damped` times those of damping.
+    """Add `share` times the membrane forces of a cloth and `damped` times its damping forces to those on its particles.
 
-    These are by the change of strains since the last time, over that time in s: `damped` is zero where that is not known.
+    Damping uses the change of the strains since the last evaluation, divided by the time since then, s; `damped` is zero if
+    there was none.
     """
     numbers, own, group = floats(world, CLOTH_NUMBERS), integers(world, CLOTH), integers(world, FACE_GROUP)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
@@ -73,7 +74,7 @@ def add_membrane(world: int, cloth: int, share: float, damped: float) -> None:
 
 @compiled
 def largest_strain(world: int, cloth: int) -> float:
-    """Return the largest strain along warp or weft of a cloth's triangles as they lie now."""
+    """Return the largest present strain of a cloth's triangles along warp or weft, zero or positive."""
     face, rest, particle = integers(world, FACE), floats(world, FACE_NUMBERS), floats(world, PARTICLE)
     own, largest = integers(world, CLOTH), 1.0
     for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
@@ -83,18 +84,19 @@ def largest_strain(world: int, cloth: int) -> float:
         u = _sum(rest[f, TO_REST], p, rest[f, TO_REST + 1], q)
         v = _sum(rest[f, TO_REST + 2], p, rest[f, TO_REST + 3], q)
         for square in (dot(u, u), dot(v, v)):
-            if square > largest:  # which NaN is not
+            if square > largest:  # False for NaN
                 largest = square
     return math.sqrt(largest) - 1.0
 
 
 @compiled(inline=True)
 def _sum(s: float, a: Vector, t: float, b: Vector) -> Vector:
+    """Return s a + t b."""
     return (s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2])
 
 
 def inverse_edges(flat: Floats) -> Floats:
-    """Invert the matrices of two edges of triangles that lie flat.
+    """Return the inverse matrices of two edges of each triangle at rest.
 
     Parameters
     ----------
@@ -104,7 +106,7 @@ def inverse_edges(flat: Floats) -> Floats:
     Returns
     -------
     (M, 4) array
-        F_u and F_v over the edges from the first corner to the second and to the third: as in `TO_REST`, 1/m.
+        Coefficients of F_u and F_v by the edges from the first corner to the second and the third, as in `TO_REST`, 1/m.
     """
     edges = np.stack((flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]), axis=2)
     inverse: Any = np.linalg.inv(edges)

@@ -1,6 +1,6 @@
-"""The forces of the membrane of a cloth on the corners of eight triangles at once; see `kickdrift.world.cloth.membrane`.
+"""The membrane forces of a cloth on the corners of eight triangles at once; see `kickdrift.world.cloth.membrane`.
 
-Corners that follow each other in the tables, as those of grids do, are read and written as vectors; others one by one.
+Corners in consecutive rows, as in grids, are read and written as vectors; others one by one.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,9 +18,9 @@ Load = Callable[[int], Lanes]
 
 
 def _membrane(p: Sequence[Lanes], q: Sequence[Lanes], rest: Load, before: Load, law: Sequence[Lanes]) -> Any:
-    """Return forces on the second and the third corner, and strains; see `kickdrift.world.cloth.membrane`.
+    """Return minus the forces on the second and the third corner, and the strains; see `kickdrift.world.cloth.membrane`.
 
-    `p` and `q` are the edges from the first corner; `law` is stretching and shear stiffness, share, and damping time ahead.
+    `p` and `q` are the edges from the first corner; `law` is stretching and shear stiffness, share, and damping over the part.
     """
     stretch, shear, share, ahead = law
     u1, u2, v1, v2, area = (rest(k) for k in range(5))
@@ -39,7 +39,7 @@ def _membrane(p: Sequence[Lanes], q: Sequence[Lanes], rest: Load, before: Load, 
 
 
 def _add_membrane(in_rows: bool) -> Any:
-    """Write the function for triangles whose corners follow each other, or for any."""
+    """Return the intrinsic for triangles whose corners are consecutive rows, or for any."""
 
     def typed(
         context: Any,

@@ -1,4 +1,4 @@
-"""The triangles of a cloth: what they share, and how they lie when they are flat."""
+"""Triangle meshes of cloths: validation, shared edges, and plane coordinates of the triangles."""
 
 from typing import NamedTuple
 
@@ -13,23 +13,23 @@ Integers = NDArray[np.int64]
 
 NONE = -1
 _FAR = 1e15  # m
-_THIN = 1e-6  # height of a triangle over its longest side, below which it has no area
+_THIN = 1e-6  # ratio of height to longest side below which a triangle is degenerate
 
 
 class ClothMesh(NamedTuple):
-    """A mesh of triangles that a cloth can be made of.
+    """A valid triangle mesh of a cloth.
 
     Attributes
     ----------
     vertices : (N, 3) array
         m.
     triangles : (M, 3) array
-        Rows of vertices, all the same way round.
+        Indices of vertices, with consistent orientation.
     folds : (K, 4) array
-        Vertices of each edge that two triangles share, its ends first, then those across it. The edge runs as the triangle
-        does that has the first of those.
+        Vertices of each edge that two triangles share: its ends, then those across it. The edge has the direction that it has
+        in the triangle of the first of those.
     sides : (M, 3) array
-        Folds of the sides of each triangle, of which the k-th begins at its k-th corner; `NONE` on the border.
+        Folds of the sides of each triangle, the k-th of which begins at its k-th corner; `NONE` on the border.
     """
 
     vertices: Floats
@@ -39,14 +39,14 @@ class ClothMesh(NamedTuple):
 
 
 def cloth_mesh(vertices: ArrayLike, triangles: ArrayLike) -> ClothMesh:
-    """Check vertices and triangles, and find what they share.
+    """Check vertices and triangles, and find shared edges.
 
     Raises
     ------
     ArgumentError
-        For numbers that are not finite, indices out of range, vertices that no triangle has, triangles without area or
-        corners twice, edges of three triangles, and triangles that their neighbours turn the other way round; the sentence
-        names the vertex or the triangle.
+        For numbers that are not finite, indices out of range, vertices without triangles, triangles without area or with
+        repeated corners, edges of three triangles, and adjacent triangles of opposite orientation; the message names the
+        vertex or the triangle.
     """
     points, faces = _vertices(vertices), _triangles(triangles)
     _check_corners(points, faces)
@@ -55,10 +55,10 @@ def cloth_mesh(vertices: ArrayLike, triangles: ArrayLike) -> ClothMesh:
 
 
 def grid(nx: int, ny: int, size: tuple[float, float]) -> tuple[Floats, Integers]:
-    """Return the vertices and triangles of a rectangle of nx times ny vertices, all of whose diagonals are parallel.
+    """Return the vertices and triangles of a rectangle of nx times ny vertices, with parallel diagonals.
 
-    Vertex i * ny + j lies at (i / (nx - 1), j / (ny - 1)) of the size. Where diagonals alternate, a clamped strip sags by 40 %
-    more than it should on any mesh; with parallel ones by 1 %, of 10 segments, and 0.2 %, of 20.
+    Vertex i * ny + j is at (i / (nx - 1), j / (ny - 1)) of the size. With alternating diagonals a clamped strip sags by 40 %
+    too much, however fine the mesh; with parallel ones by 1 % with 10 segments, and by 0.2 % with 20.
     """
     x, y = np.meshgrid(np.linspace(0.0, size[0], nx), np.linspace(0.0, size[1], ny), indexing="ij")
     index = np.arange(nx * ny).reshape(nx, ny)
@@ -68,20 +68,20 @@ def grid(nx: int, ny: int, size: tuple[float, float]) -> tuple[Floats, Integers]
 
 
 def flattened(mesh: ClothMesh, warp: Floats) -> tuple[Floats, Floats]:
-    """Lay each triangle flat on its own.
+    """Return plane coordinates of each triangle.
 
     Parameters
     ----------
     mesh : ClothMesh
     warp : (3,) array
-        Direction, not zero, whose part in each triangle is its first axis.
+        Direction, not zero, whose projection onto each triangle is its first axis.
 
     Returns
     -------
     flat : (M, 3, 2) array
-        Corners from the first one, along warp and weft, m.
+        Corners relative to the first one, along warp and weft, m.
     axes : (M, 2, 3) array
-        Warp and weft.
+        Unit vectors of warp and weft.
     """
     corners = mesh.vertices[mesh.triangles]
     p, q = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -89,7 +89,7 @@ def flattened(mesh: ClothMesh, warp: Floats) -> tuple[Floats, Floats]:
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     u = warp - (normal @ warp)[:, None] * normal
     size = np.linalg.norm(u, axis=1, keepdims=True)
-    across = size[:, 0] < 1e-6 * np.linalg.norm(warp)  # triangles at right angles to the warp: any direction will do
+    across = size[:, 0] < 1e-6 * np.linalg.norm(warp)  # triangles perpendicular to the warp: any direction will do
     u = np.where(across[:, None], p, u)
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     v = np.cross(normal, u)
@@ -100,7 +100,7 @@ def flattened(mesh: ClothMesh, warp: Floats) -> tuple[Floats, Floats]:
 
 
 def masses_of(mesh: ClothMesh, weights: Floats) -> Floats:
-    """Return the masses of vertices: a third of that of each triangle, of which these are, kg."""
+    """Return the masses of vertices, (N,), kg: a third of the masses of their triangles, `weights`, (M,)."""
     thirds = np.repeat(weights / 3.0, 3)
     return np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
 

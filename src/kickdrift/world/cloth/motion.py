@@ -1,11 +1,11 @@
 """The stage of the step that moves cloths: the velocity Verlet method, in parts of a substep.
 
-The first and the last kick of a substep are halves, so that what hangs still has no velocity. Forces between particles
-keep momentum and angular momentum to the last digit; contacts keep angular momentum to first order.
+The first and the last kick of a substep are halves, so that a cloth at rest has no velocity. Forces between particles conserve
+momentum and angular momentum to the last digit; contacts conserve angular momentum to first order.
 
-Cloth meets cloth less often: several parts make an interval, in which no more is moved than the thickness, and at its end
-what would cross on the straight line from where the interval began is stopped (Bridson, Fedkiw and Anderson, Robust treatment
-of collisions, contact and friction for cloth animation, SIGGRAPH 2002, section 4).
+Cloth-cloth contact is resolved less often: several parts form an interval, in which particles move by no more than the
+thickness, and at its end crossings are stopped on the straight lines from the positions at its start (Bridson, Fedkiw and
+Anderson, Robust treatment of collisions, contact and friction for cloth animation, SIGGRAPH 2002, section 4).
 """
 
 import math
@@ -63,17 +63,17 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_TURNS = 4  # of a part
-_SWEEPS, _LAST_SWEEPS = 4, 12  # of impulses: with 1 and 4 of them, heaps of many layers tremble twice as much at rest
-_SEARCHES = 3  # for pairs, at most, while impulses that stop crossings make particles leave their boxes
-_WIDE, _WIDEST = 0.1, 10.0  # strains, below and above which parts stay as many
+_TURNS = 4  # resumable sections of a part
+_SWEEPS, _LAST_SWEEPS = 4, 12  # sweeps of impulses: with 1 and 4, heaps of many layers tremble twice as much at rest
+_SEARCHES = 3  # largest number of searches for pairs while impulses against crossings move particles out of their boxes
+_WIDE, _WIDEST = 0.1, 10.0  # strains between which the number of parts grows
 
 
 @compiled
 def move_cloths(t: float, h: float, world: int) -> None:
     """Move all cloths through a substep, after the bodies have moved.
 
-    All of them take the same parts, as they touch each other. Where there is no room for pairs, the stage goes on from there.
+    All cloths use the same parts, since they may touch each other. If there is no room for pairs, the stage resumes from there.
     """
     search = floats(world, CLOTH_SEARCH)
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
@@ -101,7 +101,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
 
 @compiled
 def _begin(world: int, h: float) -> None:
-    """Let the wind blow, and choose in how many parts a substep is done, and how many of them make an interval."""
+    """Apply the wind, and choose the number of parts of the substep, and that of the parts of an interval."""
     search, parts, least = floats(world, CLOTH_SEARCH), 1, math.inf
     for cloth in range(rows(world, CLOTH)):
         parts = max(parts, integers(world, CLOTH)[cloth, PARTS] * _parts_of_strain(world, cloth))
@@ -111,14 +111,14 @@ def _begin(world: int, h: float) -> None:
     set_frame(world)
     way = travels(world, h)
     search[0, SHARED_PARTS] = parts
-    intervals = max(math.ceil(way / least), 1) if way < parts * least else parts  # which NaN is not
+    intervals = max(math.ceil(way / least), 1) if way < parts * least else parts  # `parts` for NaN
     search[0, INTERVAL] = math.ceil(parts / intervals)
     _note_start(world)
 
 
 @compiled
 def _note_start(world: int) -> None:
-    """Note where an interval begins."""
+    """Store the positions of particles at the start of an interval."""
     particle, start = floats(world, PARTICLE), floats(world, INTERVAL_START)
     for i in range(rows(world, PARTICLE)):
         for k in range(3):
@@ -127,7 +127,7 @@ def _note_start(world: int) -> None:
 
 @compiled
 def _move(world: int, part: float, begins: bool, ends: bool, left: float) -> None:
-    """Kick all cloths, and let them drift, but at the end."""
+    """Kick all cloths, and, except at the end of the substep, drift."""
     for cloth in range(rows(world, CLOTH)):
         _push(world, cloth, part, begins, ends, left)
     if not ends:
@@ -146,7 +146,10 @@ def _drift(world: int, part: float) -> None:
 
 @compiled
 def _meet(world: int, turn: int, h: float, interval: float) -> bool:
-    """Do one of the turns in which cloths meet in an interval, s: to its start, impulses, to its end; False without room."""
+    """Do one section of the cloth-cloth contact of an interval, s; False if there is no room for pairs.
+
+    Section 1 goes back to the start of the interval, 2 applies impulses, 3 stops crossings and moves to its end.
+    """
     if turn == 1:
         _go_back(world, interval)
     elif turn == 2:
@@ -169,7 +172,7 @@ def _meet(world: int, turn: int, h: float, interval: float) -> bool:
 
 @compiled
 def _stop(world: int, part: float, interval: float) -> None:
-    """Stop what approaches when the substep ends: what impulses between cloths press against bodies, too."""
+    """Stop approaching pairs at the end of the substep, including particles that impulses between cloths press onto bodies."""
     for _ in range(_LAST_SWEEPS if meets(world) else 0):
         resolve_pairs(world, interval, 0.0)
         for cloth in range(rows(world, CLOTH)):
@@ -178,7 +181,7 @@ def _stop(world: int, part: float, interval: float) -> None:
 
 @compiled
 def _go_back(world: int, interval: float) -> None:
-    """Bring particles back to where the interval began, with the shifts with which they would come to where they were."""
+    """Move particles back to the start of the interval, with shifts such that they would drift to their present positions."""
     particle, start, shift = floats(world, PARTICLE), floats(world, INTERVAL_START), floats(world, PARTICLE_SHIFT)
     for i in range(rows(world, PARTICLE)):
         for k in range(3):
@@ -188,7 +191,7 @@ def _go_back(world: int, interval: float) -> None:
 
 @compiled
 def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: float) -> None:
-    """Kick a cloth by its forces, and by the shapes that it touches."""
+    """Kick a cloth by its forces, and resolve its contacts with shapes."""
     share = 0.5 if begins or ends else 1.0
     # That of damping is whole at the end, as nothing is known of changes where the next substep begins.
     damped = 0.0 if begins else 1.0 / part
@@ -201,9 +204,9 @@ def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: f
 
 @compiled
 def _parts_of_strain(world: int, cloth: int) -> int:
-    """Return into how many each part is cut: what is stretched by s is stiffer against shear by (1 + s)^2.
+    """Return the number of parts into which each part is divided: a cloth strained by s is stiffer in shear by (1 + s)^2.
 
-    Without it sheets that balls of 10 m/s hit were lost; with it those of 40 m/s are not.
+    Without it, sheets hit by balls of 10 m/s were lost; with it, those hit at 40 m/s are not.
     """
     strain = largest_strain(world, cloth)
     return 1 if strain < _WIDE else math.ceil(1.0 + 2.0 * min(strain, _WIDEST))
@@ -211,15 +214,15 @@ def _parts_of_strain(world: int, cloth: int) -> int:
 
 @compiled
 def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left: float) -> None:
-    """Add what the forces and a share of gravity do in a part of a substep to the velocities of a cloth.
+    """Kick a cloth by its forces and by `share` of gravity in a part of a substep, s.
 
-    Bodies are pulled by the particles that are pinned to them, and move on with it for the time `left` in the substep, s.
+    Bodies are pulled by the particles that are pinned to them, and move with the change for the time `left` in the substep, s.
     """
     own, particle = integers(world, CLOTH), floats(world, PARTICLE)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
     fall = times(share * part, gravity)
-    # Bodies have fallen for the whole substep where it begins, and what is pinned to them does so with them.
+    # At its start bodies have fallen for the whole substep already, and particles pinned to them fall with them.
     pull_bodies(world, cloth, part, times(left if begins else 0.0, gravity), left)
     keep = 1.0 / (1.0 + share * part * floats(world, CLOTH_NUMBERS)[cloth, LINEAR_DAMPING])
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
@@ -233,7 +236,7 @@ def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left:
 
 @compiled
 def _arrive(world: int, part: float) -> None:
-    """Move all particles with their velocities to the end of an interval, and by what shifts them besides."""
+    """Move all particles to the end of an interval, with their velocities and shifts."""
     particle, shift = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT)
     for i in range(rows(world, PARTICLE)):
         for k in range(3):
@@ -243,7 +246,7 @@ def _arrive(world: int, part: float) -> None:
 
 @compiled
 def _check(world: int, cloth: int) -> None:
-    """See that all particles of a cloth are somewhere."""
+    """Report a cloth whose positions or velocities are not finite."""
     own, particle, total = integers(world, CLOTH), floats(world, PARTICLE), 0.0
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         for k in range(7):
@@ -254,7 +257,7 @@ def _check(world: int, cloth: int) -> None:
 
 @compiled
 def begin_cloths(t: float, h: float, world: int) -> None:
-    """Keep the cloths as they are, in case the step cannot be done, and note whether they were moved while they slept."""
+    """Save the state of cloths for a rollback, and note whether the user has moved them while they slept."""
     search, own, moved = floats(world, CLOTH_SEARCH), integers(world, CLOTH), False
     search[0, SEARCH_VALID] = search[0, SEARCH_AGE] = search[0, TURN] = 0.0
     set_rows(world, CLOTH_PAIR, 0)
@@ -268,8 +271,8 @@ def begin_cloths(t: float, h: float, world: int) -> None:
 
 
 def roll_back_cloths(tables: Tables) -> None:
-    """Bring the cloths back to where the step began."""
+    """Restore the state of cloths at the start of the step."""
     tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
     tables.array(PARTICLE_LANES)[:] = tables.array(PARTICLE_SHIFT)[:] = 0.0
-    # Where a substep begins they are only read to be multiplied by zero, which of infinity is none.
+    # At the start of a substep they are multiplied by zero, which would give NaN if they were infinite.
     tables.array(GROUP_STRAIN)[:] = 0.0

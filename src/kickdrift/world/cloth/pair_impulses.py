@@ -37,15 +37,15 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_ABOVE = 0.99**2  # square of the cosine of the angle at which a vertex is above a triangle
-_SOFT = 0.25  # of what is too close is moved apart in a part
+_ABOVE = 0.99**2  # square of the cosine to the normal above which a vertex counts as above a triangle
+_SOFT = 0.25  # fraction of the violation that is corrected in a part
 
 
 @compiled
 def resolve_pairs(world: int, part: float, push: float) -> None:
-    """Stop what of cloths approaches each other from getting closer than is kept in a part of a substep, s.
+    """Apply impulses that keep pairs from getting closer than their distance in a part of a substep, s.
 
-    What is closer already is moved apart, with the speed `push` at most, m/s, and gets no velocity from it.
+    Pairs that are closer already are moved apart, at most with the speed `push`, m/s, without gaining velocity.
     """
     if rows(world, CLOTH_PAIR) == 0:
         return
@@ -79,7 +79,7 @@ def particles_of(world: int, row: int) -> Corners:
 
 @compiled(inline=True)
 def is_free(world: int, row: int) -> bool:
-    """Whether a particle of a pair is tangled, so that it is let through."""
+    """Whether a particle of a pair is tangled, so that it may pass."""
     zone, (p, a, b, c) = integers(world, ZONE), particles_of(world, row)
     tangled: bool = zone[p, IS_TANGLED] + zone[a, IS_TANGLED] + zone[b, IS_TANGLED] + zone[c, IS_TANGLED] > 0
     return tangled
@@ -87,7 +87,7 @@ def is_free(world: int, row: int) -> bool:
 
 @compiled
 def _lay(world: int, row: int) -> None:
-    """Find how a pair lies; it stays so while impulses change how its particles move on from there."""
+    """Compute the nearest points, normal and mobility of a pair, which are kept while impulses change its velocities."""
     particle, numbers = floats(world, PARTICLE), floats(world, CLOTH_PAIR_NUMBERS)
     at = particles_of(world, row)
     p, a, b, c = at
@@ -145,9 +145,9 @@ def _weights(numbers: Any, row: int) -> Weights:
 
 @compiled
 def _is_beside(world: int, row: int, weights: Weights, way: Vector) -> bool:
-    """Whether a pair is nearest at the end of an edge, or beside a triangle and not above it.
+    """Whether a pair is closest at the end of an edge, or beside a triangle and not above it.
 
-    A vertex and another triangle, or other edges, are as near there. Without it sheets that slide stumble over edges.
+    There another pair is as close. If such pairs were resolved, sliding sheets would catch on edges.
     """
     if weights[0] != 0.0 and weights[1] != 0.0 and weights[2] != 0.0 and weights[3] != 0.0:
         return False
@@ -161,7 +161,7 @@ def _is_beside(world: int, row: int, weights: Weights, way: Vector) -> bool:
 
 @compiled(inline=True)
 def mobility(world: int, at: Corners, weights: Weights) -> float:
-    """Return the velocity of the points of a pair against each other for an impulse between them, 1/kg."""
+    """Return the change of the relative velocity of the points of a pair by a unit impulse between them, 1/kg."""
     particle, total = floats(world, PARTICLE), 0.0
     for k in range(4):
         total += weights[k] * weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]
@@ -170,7 +170,7 @@ def mobility(world: int, at: Corners, weights: Weights) -> float:
 
 @compiled(inline=True)
 def add(world: int, table: Table, first: int, at: Corners, weights: Weights, impulse: Vector) -> None:
-    """Add what an impulse between the points of a pair does to columns of particles."""
+    """Add the changes by an impulse between the points of a pair to three columns of its particles."""
     particle, values = floats(world, PARTICLE), floats(world, table)
     for k in range(4):
         share = weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]

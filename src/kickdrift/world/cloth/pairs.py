@@ -1,8 +1,8 @@
-"""Which vertices and triangles, and which edges, of cloths may touch.
+"""Pairs of a vertex and a triangle, and of edges, of cloths that may touch.
 
-Pairs are found where the boxes of triangles overlap, each pair with the one triangle that owns the vertex or the edge. They
-serve for as long as particles move as it was foreseen, at most to the end of the step: the bits of the next step are those
-after a snapshot.
+Pairs are found where the boxes of triangles overlap, each pair only from the triangles that own the vertex or the edges. They
+remain valid as long as particles follow their predicted paths, at most to the end of the step, so that steps after a snapshot
+have the same bits.
 """
 
 import math
@@ -70,20 +70,20 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_FASTEST = 1e6  # m/s, by the mean of squares: what is faster is about to be lost, and all of it would be pairs
+_FASTEST = 1e6  # m/s, root mean square: faster cloths are about to be lost, and everything would be pairs
 _STACK = 512  # pairs of nodes: three for each level of two trees
 _NUMBERS = 2 * _STACK
-# Cosines of the angles between triangles below which they do not touch: of those that share an edge, and a vertex. Of six
-# around a vertex the first and the last may cross, while the sixth is folded away.
+# Cosines between the normals of adjacent triangles above which they cannot touch: with a common edge, and with a common vertex.
+# Of six triangles around a vertex the first and the last may cross, while the sixth is folded away.
 _FOLDED, _BENT = 0.0, 0.62
-_CLOSE = 0.5  # of the distance at rest, that is kept between what is closer than the thickness by itself
+_CLOSE = 0.5  # of the distance at rest: the distance kept between features that are closer than the thickness at rest
 
 
 @compiled
 def find_pairs(world: int, h: float, part: float) -> bool:
-    """Find the pairs that may touch in a part of a substep, s; False where there is no room for them.
+    """Find the pairs that may touch in a part of a substep, s; False if there is no room for them.
 
-    Those that are known serve for as long as particles move as it was foreseen, at most for the time h, s.
+    Known pairs remain valid as long as particles follow their predicted paths, at most for the time 4 h, s.
     """
     search = floats(world, CLOTH_SEARCH)
     if not meets(world) or (search[0, SEARCH_VALID] != 0.0 and stays(world, part)):
@@ -114,7 +114,7 @@ def meets(world: int) -> bool:
 
 @compiled
 def _horizon(world: int, h: float, part: float, speed: float) -> float:
-    """Return for what time pairs are sought, s: long where little moves, as the fast ones of a boxful meet many."""
+    """Return the time for which pairs are sought, s: long for slow cloths, short for fast ones, which would form many pairs."""
     numbers, skin = floats(world, CLOTH_NUMBERS), math.inf
     for cloth in range(rows(world, CLOTH)):
         skin = min(skin, numbers[cloth, SKIN])
@@ -123,7 +123,7 @@ def _horizon(world: int, h: float, part: float, speed: float) -> float:
 
 @compiled
 def _walk(world: int, a: int, b: int) -> bool:
-    """Find the pairs of two cloths, or of one with itself, by both trees at once; False where there is no room."""
+    """Find the pairs of two cloths, or of one with itself, by traversing both trees together; False if there is no room."""
     own = integers(world, CLOTH)
     tree, connected = floats(world, CLOTH_TREE), integers(world, CLOTH_TREE_NODE)
     one, other = tree[own[a, FIRST_NODE] : own[a, LAST_NODE]], tree[own[b, FIRST_NODE] : own[b, LAST_NODE]]
@@ -169,7 +169,7 @@ def _are_one_piece(world: int, begin: int, m: int, n: int) -> bool:
 
 @compiled
 def _compare(world: int, a: int, b: int, one: Any, m: int, other: Any, n: int) -> bool:
-    """Find the pairs of two twigs; False where there is no room."""
+    """Find the pairs of two twigs; False if there is no room."""
     fits, same = True, a == b and m == n
     for i in range(m + 1, int(one[m, SKIP])):
         for j in range(i + 1 if same else n + 1, int(other[n, SKIP])):
@@ -180,16 +180,17 @@ def _compare(world: int, a: int, b: int, one: Any, m: int, other: Any, n: int) -
 
 @compiled(inline=True)
 def _overlap(a: Any, m: int, b: Any, n: int) -> bool:
-    meets: bool = (a[m, 0] <= b[n, 3]) & (a[m, 1] <= b[n, 4]) & (a[m, 2] <= b[n, 5])  # NaN meets nothing
+    """Whether boxes in rows of two tables overlap; False for NaN."""
+    meets: bool = (a[m, 0] <= b[n, 3]) & (a[m, 1] <= b[n, 4]) & (a[m, 2] <= b[n, 5])
     meets &= (a[m, 3] >= b[n, 0]) & (a[m, 4] >= b[n, 1]) & (a[m, 5] >= b[n, 2])
     return meets
 
 
 @compiled
 def _pair_faces(world: int, cloth: int, other: int, f: int, g: int) -> bool:
-    """Find the pairs of two triangles; False where there is no room for them.
+    """Find the pairs of two triangles; False if there is no room for them.
 
-    Neighbours that lie flat do not touch.
+    Adjacent triangles at a small angle cannot touch.
     """
     face = integers(world, FACE)
     shared = 0
@@ -216,6 +217,7 @@ def _pair_faces(world: int, cloth: int, other: int, f: int, g: int) -> bool:
 
 @compiled(inline=True)
 def _edges_overlap(bounds: Any, at: Corners) -> bool:
+    """Whether the boxes of two edges overlap."""
     p, a, b, c = at
     meets = True
     for k in range(3):
@@ -226,19 +228,21 @@ def _edges_overlap(bounds: Any, at: Corners) -> bool:
 
 @compiled(inline=True)
 def _vertex_and(world: int, f: int, i: int, g: int) -> Corners:
+    """Return the particles of the pair of corner i of triangle f and triangle g."""
     face = integers(world, FACE)
     return (face[f, CORNERS + i], face[g, CORNERS], face[g, CORNERS + 1], face[g, CORNERS + 2])
 
 
 @compiled(inline=True)
 def _edges(world: int, f: int, i: int, g: int, j: int) -> Corners:
+    """Return the particles of the pair of side i of triangle f and side j of triangle g."""
     face = integers(world, FACE)
     return (face[f, CORNERS + i], face[f, CORNERS + (i + 1) % 3], face[g, CORNERS + j], face[g, CORNERS + (j + 1) % 3])
 
 
 @compiled
 def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
-    """Add a pair, unless it has a particle twice or stays farther apart than is kept; False where there is no room."""
+    """Add a pair, unless it shares a particle or stays farther apart than its distance; False if there is no room."""
     p, a, b, c = at
     if p in (b, c) or (p == a if kind == VERTEX_FACE else a in (b, c)):
         return True
@@ -267,6 +271,7 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners) -> bool:
 
 @compiled(inline=True)
 def _distance(table: Any, kind: int, at: Corners) -> float:
+    """Return the distance of a pair with the positions of a table, m."""
     p, a, b, c = (
         vector_at(table, at[0], 0),
         vector_at(table, at[1], 0),

@@ -1,4 +1,4 @@
-"""Positions and forces of the particles of cloths, field by field, as vectors of lanes take them."""
+"""Positions and forces of the particles of cloths, field by field, for vectors of lanes."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
@@ -10,7 +10,7 @@ from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_LANES, flat, floats
 
 @compiled(inline=True)
 def field_size(world: int) -> int:
-    """Return how many numbers a field has."""
+    """Return the number of elements of a field."""
     return rows(world, PARTICLE_LANES) // LANE_FIELDS
 
 

@@ -1,4 +1,4 @@
-"""Tables of cloths that a step makes anew: their rows, and the trees in them."""
+"""Tables of cloths that a step fills anew: their sizes, and the trees and groups of triangles in them."""
 
 from collections.abc import Sequence
 
@@ -26,7 +26,7 @@ OF_A_STEP = (
 
 
 def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
-    """Give the tables their rows, and build the trees over the triangles of all cloths, as they lie without tension."""
+    """Resize the tables, and build the trees and groups of the triangles of all cloths, from their meshes at rest."""
     for own, of in ((_OF_PARTICLES, t.PARTICLE), (_OF_FACES, t.FACE)):
         for table in own:
             tables.resize(table, 0)
@@ -34,7 +34,7 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
     for table in (t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN, t.PARTICLE_LANES):
         tables.resize(table, 0)
     tables.resize(t.PARTICLE_LANES, c.LANE_FIELDS * tables.count(t.PARTICLE))[:] = 0.0
-    tables.array(t.STARTED_PARTICLE)[:] = tables.array(t.PARTICLE)  # where those that sleep are
+    tables.array(t.STARTED_PARTICLE)[:] = tables.array(t.PARTICLE)  # with which sleeping cloths are compared
     for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR):
         tables.resize(table, 0)
     tables.resize(t.CLOTH_SEARCH, 1)[:] = 0.0
@@ -55,7 +55,7 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
 
 
 def _group(tables: t.Tables, cloth: Integers) -> None:
-    """Put the triangles of a cloth into groups."""
+    """Write the groups of the triangles of a cloth."""
     faces = slice(cloth[c.FIRST_FACE], cloth[c.LAST_FACE])
     numbers = tables.array(t.FACE_NUMBERS)[faces, c.TO_REST : c.FACE_AREA + 1]
     groups = face_groups(tables.array(t.FACE)[faces, c.CORNERS : c.CORNERS + 3], numbers)

@@ -1,4 +1,4 @@
-"""Rows of what is pinned to bodies: those of each cloth follow each other, and of these those of each body."""
+"""Rows of pins to bodies, sorted by cloth and then by body."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ Integers = NDArray[np.int64]
 
 
 def add_pins(tables: Tables, particles: Integers, body: int) -> None:
-    """Pin particles, which are pinned to none, to a body, with whose points they move from then on."""
+    """Pin particles that are not pinned to a body at their present positions on one, and give them its velocities there."""
     rows, pose, motion = tables.array(PARTICLE), tables.array(POSE)[body], tables.array(MOTION)[body]
     arms = rows[particles, :3] - pose[POSITION : POSITION + 3]
     turning = np.cross(motion[ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3], arms)
@@ -27,13 +27,13 @@ def add_pins(tables: Tables, particles: Integers, body: int) -> None:
 
 
 def remove_pins(tables: Tables, particles: Integers) -> None:
-    """Forget to which bodies particles were pinned, if they were."""
+    """Remove the pins of particles to bodies, if they have any."""
     keep = ~np.isin(tables.array(PIN)[:, c.PINNED_PARTICLE], particles)
     _put(tables, tables.array(PIN)[keep], tables.array(PIN_NUMBERS)[keep])
 
 
 def copy_pins(tables: Tables, pinned_as: Integers, particles: Integers) -> None:
-    """Pin particles, (K,), which are pinned to none, to the bodies that others are pinned to, (K,), at the same points."""
+    """Copy the pins of the particles `pinned_as`, (K,), to other particles, (K,), that have none."""
     pins, numbers = tables.array(PIN), tables.array(PIN_NUMBERS)
     which, row = np.nonzero(pinned_as[:, None] == pins[:, c.PINNED_PARTICLE])
     copied = pins[row].copy()
@@ -42,6 +42,7 @@ def copy_pins(tables: Tables, pinned_as: Integers, particles: Integers) -> None:
 
 
 def _put(tables: Tables, pins: Integers, numbers: Floats) -> None:
+    """Write all pins in order, and the ranges of cloths."""
     cloths = tables.array(CLOTH)
     of = np.searchsorted(cloths[:, c.LAST_PARTICLE], pins[:, c.PINNED_PARTICLE], side="right")
     order = np.lexsort((pins[:, c.PINNED_PARTICLE], pins[:, c.PINNED_BODY], of))

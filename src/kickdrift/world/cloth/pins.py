@@ -1,7 +1,8 @@
-"""What is pinned to bodies: particles that bodies carry and are pulled by.
+"""Particles pinned to bodies, which carry them and feel their pull.
 
-A pinned particle has its mass, weight and forces as the others have. At every kick a body and all that a cloth has pinned to it
-get the impulses that make one rigid body of them, so that bodies carry weight and inertia of it, and no momentum is lost.
+A pinned particle has mass, weight and forces like the others. At every kick a body and the particles of a cloth that are pinned
+to it get the impulses that make them move as one rigid body, so that the body carries their weight and inertia, and momentum is
+conserved.
 """
 
 from kickdrift.core.compilation import compiled
@@ -31,9 +32,9 @@ from kickdrift.world.tables import CLOTH, INVERSE_MASS, MOTION, PARTICLE, PIN, P
 
 @compiled
 def pull_bodies(world: int, cloth: int, part: float, fall: Vector, left: float) -> None:
-    """Kick what a cloth has pinned to bodies by the forces on it in a part, s, and by gravity, m/s, and the bodies with it.
+    """Kick the particles of a cloth that are pinned to bodies, and these bodies, by forces in a part, s, and by `fall`, m/s.
 
-    Bodies move on with what they get for the time `left` in the substep, s.
+    Bodies move with their changes of velocity for the time `left` in the substep, s.
     """
     own, pin = integers(world, CLOTH), integers(world, PIN)
     first, last = own[cloth, FIRST_PIN], own[cloth, LAST_PIN]
@@ -47,7 +48,7 @@ def pull_bodies(world: int, cloth: int, part: float, fall: Vector, left: float) 
 def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, left: float) -> None:
     """Kick a range of pins, all of one body.
 
-    With masses m at arms r, of velocities v, what moves as one is found from u (m_b + sum m) + w x c = m_b u_b + sum m v and
+    With masses m at arms r and velocities v, the rigid motion (u, w) satisfies u (m_b + sum m) + w x c = m_b u_b + sum m v and
     w + S (I w + c x u) = w_b + S sum m r x v, where c = sum m r, I = sum m (r^2 - r r^T), and S is the body's inverse inertia.
     """
     pin, particle = integers(world, PIN), floats(world, PARTICLE)
@@ -97,9 +98,9 @@ def _solved(a: Vector, b: Vector, c: Vector, right: Vector) -> Vector:
 
 @compiled
 def carry_pins(world: int, cloth: int, part: float, left: float) -> None:
-    """Shift what is pinned to bodies so that it arrives with them at the end of the substep, which is `left` s away.
+    """Shift particles pinned to bodies so that they reach their points at the end of the substep, which is `left` away, s.
 
-    The drift adds a part times the velocity, which is taken off here: a chord is no tangent.
+    The drift will add `part` times their velocity, which is subtracted here: the chord differs from the tangent.
     """
     own, pin, pose, particle = (
         integers(world, CLOTH),
@@ -117,6 +118,6 @@ def carry_pins(world: int, cloth: int, part: float, left: float) -> None:
 
 @compiled(inline=True)
 def _arm(world: int, k: int) -> Vector:
-    """Return where a pin is from the centre of mass of its body."""
+    """Return the vector from the centre of mass of the body to a pin, m."""
     q = quaternion_at(floats(world, POSE), integers(world, PIN)[k, PINNED_BODY], ORIENTATION)
     return turned(q, vector_at(floats(world, PIN_NUMBERS), k, PIN_POSITION))

@@ -1,7 +1,7 @@
-"""How far a vertex is from a triangle, and an edge from another one.
+"""Distances of vertices from triangles, and of edges from each other.
 
-Of both the distance is a vector from the second to the first, a sum over the four particles with weights that add up to zero:
-1 and minus the barycentric coordinates of the nearest point, or those of two points of edges.
+Both are vectors from the second feature to the first: sums over the positions of four particles with weights that add up to
+zero, 1 and minus the barycentric coordinates of the nearest point, or those of two points of edges.
 """
 
 import math
@@ -21,7 +21,7 @@ Ways = tuple[Vector, Vector, Vector, Vector]
 
 @compiled
 def nearest(kind: int, p: Vector, a: Vector, b: Vector, c: Vector) -> tuple[Weights, Vector]:
-    """Return weights and the distance as a vector: of a vertex p from a triangle a b c, or of the edges p a and b c."""
+    """Return weights and distance vector of a vertex p from a triangle a b c, or of the edge p a from the edge b c."""
     if kind == VERTEX_FACE:
         u, v, w = barycentric(p, a, b, c)
         weights = (1.0, -u, -v, -w)
@@ -34,13 +34,13 @@ def nearest(kind: int, p: Vector, a: Vector, b: Vector, c: Vector) -> tuple[Weig
 
 @compiled(inline=True)
 def mix(weights: Weights, p: Vector, a: Vector, b: Vector, c: Vector) -> Vector:
-    """Return a sum of vectors with weights."""
+    """Return the weighted sum of four vectors."""
     return plus(plus(times(weights[0], p), times(weights[1], a)), plus(times(weights[2], b), times(weights[3], c)))
 
 
 @compiled(inline=True)
 def mixed(weights: Weights, table: Any, at: Corners, first: int) -> Vector:
-    """Return a sum of vectors of rows of a table with weights."""
+    """Return the weighted sum of vectors in four rows of a table."""
     return mix(
         weights,
         vector_at(table, at[0], first),
@@ -52,14 +52,14 @@ def mixed(weights: Weights, table: Any, at: Corners, first: int) -> Vector:
 
 @compiled(inline=True)
 def less_mean(p: Vector, a: Vector, b: Vector, c: Vector) -> Ways:
-    """Return ways of the particles of a pair less their mean."""
+    """Return the displacements of the particles of a pair less their mean."""
     mean = times(0.25, plus(plus(p, a), plus(b, c)))
     return (minus(p, mean), minus(a, mean), minus(b, mean), minus(c, mean))
 
 
 @compiled(inline=True)
 def closing(kind: int, ways: Ways) -> float:
-    """Return how much nearer a pair may get at most on such ways."""
+    """Bound the decrease of the distance of a pair by given displacements of its particles, m."""
     p, a, b, c = dot(ways[0], ways[0]), dot(ways[1], ways[1]), dot(ways[2], ways[2]), dot(ways[3], ways[3])
     if kind == VERTEX_FACE:
         return math.sqrt(p) + math.sqrt(max(a, b, c))

@@ -1,4 +1,4 @@
-"""Cloths of a world: rows of tables, and handles."""
+"""The cloths of a world: their rows in its tables, and the checks of their handles."""
 
 from __future__ import annotations
 
@@ -44,19 +44,19 @@ class Cloths:
     ----------
     tables : Tables
     bodies : Bodies
-        That vertices may be pinned to.
+        The bodies of the world, to which vertices may be pinned.
     """
 
     def __init__(self, tables: Tables, bodies: Bodies) -> None:
         self.tables, self._bodies = tables, bodies
         self.names = Names("cloth")
         self.world: ReferenceType[World] | None = None
-        self.n_made = 0  # never goes back, not even to a snapshot: two cloths would share a handle
+        self.n_made = 0  # never decreases, not even on restoring a snapshot: two cloths would share a handle
         self._substep, self._arranged = 0.0, -1
 
     @undivided
     def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None, self_collision: bool) -> Cloth:
-        """Take rows for a cloth that lies as its mesh does, without any tension."""
+        """Add a cloth with a mesh, free of tension, and return its handle."""
         tables, name = self.tables, self.names.checked(name)
         to_rest = inverse_edges(flattened(mesh, warp)[0])
         areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
@@ -110,7 +110,7 @@ class Cloths:
 
     @undivided
     def tear(self) -> bool:
-        """Tear the cloths that are stretched too far; whether there were any."""
+        """Tear the cloths that are stretched too far, and return whether there were any."""
         torn = False
         for row, own in enumerate(self.tables.array(CLOTH)[:, c.IS_ASLEEP].tolist()):
             split = find_tears(self.tables, row) if own == 0 else None
@@ -126,7 +126,7 @@ class Cloths:
         return int(split.parents.size)
 
     def _changed(self) -> None:
-        """Let all be made ready anew that depends on which vertices there are, and wake."""
+        """Wake all, and have everything that depends on the vertices prepared again."""
         self._arranged, self._substep = -1, 0.0
         self._bodies.wake()
         self.wake()
@@ -138,11 +138,11 @@ class Cloths:
         self._substep = 0.0
 
     def mesh(self, row: int) -> ClothMesh:
-        """Return the mesh of a cloth as it is without tension."""
+        """Return the mesh of a cloth at rest."""
         return mesh_in(self.tables, row)
 
     def tune(self, substep: float) -> None:
-        """Choose parts of a substep, s, for all cloths, and how stiff they can be in it; make ready what a step makes anew."""
+        """Choose the parts of a substep, s, and the stiffness of all cloths in it, and prepare the tables that a step fills."""
         if self._arranged != self.tables.count(FACE):
             arrange(self.tables, [self.mesh(row) for row in range(self.tables.count(CLOTH))])
             self._arranged = self.tables.count(FACE)
@@ -153,11 +153,11 @@ class Cloths:
         self._substep = substep
 
     def restored(self) -> None:
-        """Let `tune` choose anew, after the tables have become others."""
+        """Have `tune` choose again, after the tables were replaced."""
         self._substep, self._arranged = 0.0, -1
 
     def row(self, cloth: Cloth, argument: str = "cloth") -> int:
-        """Return the row of a cloth; ArgumentError if it is none of this world."""
+        """Return the row of an existing cloth; ArgumentError if it was removed, or is not of this world."""
         if not isinstance(cloth, Cloth) or cloth.registry is not self:
             raise ArgumentError(f"{argument}={cloth!r} is no cloth of this world; give what World.add_cloth returned.")
         index = cloth.index
@@ -166,18 +166,18 @@ class Cloths:
         return index
 
     def index_of(self, generation: int, last: int) -> int:
-        """Return the row of the cloth of a generation, which had a row last; that one, too, if it is gone."""
+        """Return the row of the cloth of a generation; `last`, the row that it had last, if it was removed."""
         if self.knows(last, generation):
             return last
         found = np.flatnonzero(self.tables.array(CLOTH)[:, c.CLOTH_GENERATION] == generation)
         return int(found[0]) if found.size else last
 
     def words(self, row: int) -> str:
-        """Name a cloth in a sentence."""
+        """Return the name of a cloth, or its row, for messages."""
         return f"cloth {(self.names.of(row) or row)!r}"
 
     def knows(self, index: int, generation: int) -> bool:
-        """Whether a row is that of a cloth of a generation, and there."""
+        """Whether a row holds the cloth of a generation."""
         cloths = self.tables.array(CLOTH)
         return 0 <= index < len(cloths) and bool(cloths[index, c.CLOTH_GENERATION] == generation)
 
@@ -186,21 +186,21 @@ class Cloths:
         return Cloth(row, int(self.tables.array(CLOTH)[row, c.CLOTH_GENERATION]), self)
 
     def particles(self, cloth: Cloth) -> Floats:
-        """Rows of the vertices, a live view."""
+        """Return the rows of the vertices, a live view."""
         return rows_of(self.tables, self.row(cloth), c.FIRST_PARTICLE, PARTICLE)
 
     def triangles(self, cloth: Cloth) -> Integers:
-        """Vertices of the triangles, a copy."""
+        """Return the vertices of the triangles, a copy."""
         return self.mesh(self.row(cloth)).triangles
 
     def numbers(self, cloth: Cloth, name: str) -> Floats:
-        """Return numbers of a name, a copy."""
+        """Return a property by its name, a copy."""
         first, size = _COLUMNS[name]
         return self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size].copy()
 
     @alone
     def set_numbers(self, cloth: Cloth, name: str, value: ArrayLike) -> None:
-        """Give numbers of a name anew."""
+        """Set a property by its name, and wake bodies and cloths."""
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
         self.tables.altered = True  # of whether it can tear the loop of the steps depends
@@ -209,7 +209,7 @@ class Cloths:
 
     @undivided
     def pin(self, cloth: Cloth, vertices: ArrayLike, body: Body | None) -> None:
-        """Hold vertices; see `Cloth.pin`."""
+        """Pin vertices; see `Cloth.pin`."""
         rows, of = self._rows_of(cloth, vertices), None if body is None else self._bodies.row(body, "body")
         particles = self.tables.array(PARTICLE)
         remove_pins(self.tables, rows)
@@ -224,16 +224,16 @@ class Cloths:
 
     @undivided
     def unpin(self, cloth: Cloth, vertices: ArrayLike) -> None:
-        """Let vertices go; see `Cloth.unpin`."""
+        """Release vertices; see `Cloth.unpin`."""
         self._free(self.row(cloth), self._rows_of(cloth, vertices))
 
     def wake(self) -> None:
-        """Wake all cloths, as if they had not rested."""
+        """Wake all cloths, and reset their time of rest."""
         self.tables.array(CLOTH)[:, c.IS_ASLEEP] = 0
         self.tables.array(CLOTH_NUMBERS)[:, c.REST_TIME] = 0.0
 
     def release(self, body: int) -> None:
-        """Let go of a row of bodies, and wake, as cloths may have rested on it."""
+        """Release particles pinned to a body that is removed, and wake cloths, which may have rested on it."""
         self.wake()
         pins = self.tables.array(PIN)
         held = pins[pins[:, c.PINNED_BODY] == body, c.PINNED_PARTICLE]
@@ -245,7 +245,7 @@ class Cloths:
                 self._free(row, own)
 
     def _free(self, row: int, particles: Integers) -> None:
-        """Let particles of a cloth go."""
+        """Release particles of a cloth, given by their rows."""
         remove_pins(self.tables, particles)
         table = self.tables.array(PARTICLE)
         table[particles, c.PARTICLE_INVERSE_MASS] = 1.0 / table[particles, c.PARTICLE_MASS]
@@ -255,17 +255,18 @@ class Cloths:
         self.tables.altered = True
 
     def stiffness(self, cloth: Cloth) -> tuple[float, float, float]:
-        """Stiffness in use; see `Cloth.stiffness`."""
+        """Return the stiffness in use; see `Cloth.stiffness`."""
         row = self.tables.array(CLOTH_NUMBERS)[self.row(cloth)]
         stretch, shear, bending = row[c.STRETCH : c.STRETCH + 3].tolist()
         return stretch, shear, bending
 
     def notes(self) -> str:
-        """Say of cloths that are softer than was asked how soft they are, and what would help."""
+        """Return notes on cloths that are softer or less damped than their fabric, and what would help."""
         rows = enumerate(self.tables.array(CLOTH_NUMBERS))
         return "".join(softness(self.words(row), numbers) for row, numbers in rows)
 
     def _rows_of(self, cloth: Cloth, vertices: ArrayLike) -> Integers:
+        """Return the rows of vertices, without repetition; ArgumentError for invalid ones."""
         count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))
         if chosen.dtype.kind not in "iu" or chosen.ndim != 1:
             raise ArgumentError(f"vertices={vertices!r} have to be whole numbers, those of vertices of the cloth.")
@@ -275,6 +276,7 @@ class Cloths:
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
 
 
-# The skin, of the thickness and of the size of triangles: with 0.2 of these, neighbours in a sheet would be pairs.
+# Upper bounds of the skin, relative to thickness and triangle size: with 0.2 of the latter, neighbours in a sheet would be
+# pairs.
 _OF_THICKNESS, _SKIN = 0.5, 0.12
 _COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1), "tear_strain": (c.TEAR_STRAIN, 1)}

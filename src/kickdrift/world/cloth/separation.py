@@ -1,4 +1,4 @@
-"""Which triangles stay apart for as long as pairs are not sought anew, and how much nearer pairs get at most."""
+"""Tests by predicted motion: whether two triangles stay apart as long as pairs remain valid, and how much pairs approach."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus, plus, times
@@ -12,7 +12,7 @@ Triangle = tuple[Vector, Vector, Vector]
 
 @compiled(inline=True)
 def are_apart(world: int, cloth: int, other: int, f: int, g: int) -> bool:
-    """Whether two triangles stay farther apart than is kept along a line between them: most neighbours do."""
+    """Whether two triangles stay far enough apart along a line between them, as most neighbours do."""
     numbers = floats(world, CLOTH_NUMBERS)
     (a, b, c), (u, v, w) = _corners(world, f)
     (p, q, r), (x, y, z) = _corners(world, g)
@@ -28,7 +28,7 @@ def are_apart(world: int, cloth: int, other: int, f: int, g: int) -> bool:
 
 @compiled(inline=True)
 def _corners(world: int, f: int) -> tuple[Triangle, Triangle]:
-    """Return the corners of a triangle as they are, and as they are foreseen."""
+    """Return the corners of a triangle, at present and predicted."""
     face, particle, path = integers(world, FACE), floats(world, PARTICLE), floats(world, PARTICLE_PATH)
     h, i, j, k = (
         floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON],
@@ -43,19 +43,20 @@ def _corners(world: int, f: int) -> tuple[Triangle, Triangle]:
 
 @compiled(inline=True)
 def _gap(way: Vector, a: Vector, b: Vector, c: Vector, p: Vector, q: Vector, r: Vector) -> float:
+    """Return the separation of triangle p q r from triangle a b c along a direction, times its length."""
     return min(dot(way, p), dot(way, q), dot(way, r)) - max(dot(way, a), dot(way, b), dot(way, c))
 
 
 @compiled(inline=True)
 def _first(way: Vector, p: Vector, q: Vector, r: Vector) -> Vector:
-    """Return the corner that comes first along a way."""
+    """Return the lowest corner along a direction."""
     x, y, z = dot(way, p), dot(way, q), dot(way, r)
     return (p if x <= z else r) if x <= y else (q if y <= z else r)
 
 
 @compiled(inline=True)
 def nearing(world: int, kind: int, at: Corners) -> float:
-    """Return how much nearer a pair gets at most, by how its particles are foreseen to move."""
+    """Bound the decrease of the distance of a pair by the predicted motion of its particles, m."""
     path, h = floats(world, PARTICLE_PATH), floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON]
     p, a, b, c = (
         times(h, vector_at(path, at[0], FORESEEN)),

@@ -1,4 +1,4 @@
-"""Sleep of cloths: all of a world rest together, with the bodies that they touch, and are left alone until something moves."""
+"""Sleep of cloths: all cloths of a world sleep together, with the bodies that they touch, until one of these moves."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
@@ -35,12 +35,12 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_TOUCHES = 0.1  # of half the thickness
+_TOUCHES = 0.1  # of half the thickness: gap up to which cloth and body touch
 
 
 @compiled
 def wake_cloths(t: float, h: float, world: int) -> None:
-    """Wake cloths that sleep where one was moved, or a body that is awake touches or holds it; bodies on them wake, too."""
+    """Wake cloths if the user has moved one, or a body that is awake touches or carries one; wake bodies that they touch."""
     own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
     if own[0, IS_ASLEEP] == 0:
         return
@@ -52,7 +52,7 @@ def wake_cloths(t: float, h: float, world: int) -> None:
 
 @compiled
 def rest_cloths(t: float, h: float, world: int) -> None:
-    """Put all cloths to sleep that have rested long enough; what touches those that have not stays awake."""
+    """Put all cloths to sleep if they have rested long enough; bodies that touch moving cloths stay awake."""
     particle, own, settings = floats(world, PARTICLE), integers(world, CLOTH), floats(world, SETTINGS)
     if own[0, IS_ASLEEP] != 0:
         return
@@ -75,7 +75,7 @@ def rest_cloths(t: float, h: float, world: int) -> None:
 
 @compiled
 def _note_place(world: int) -> None:
-    """Note where cloths sleep: nothing moves them from there but who writes into their tables."""
+    """Store the state in which cloths sleep, by which later changes by the user are detected."""
     now, then = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
     for i in range(rows(world, PARTICLE)):
         for k in range(PARTICLE.width):
@@ -95,6 +95,7 @@ def _is_held(world: int) -> bool:
 
 @compiled(inline=True)
 def _is_awake(world: int, body: int) -> bool:
+    """Whether a body can move and is awake."""
     own = integers(world, BODY)
     awake: bool = own[body, BODY_KIND] >= KINEMATIC and own[body, AWAKE] != 0
     return awake
@@ -102,7 +103,7 @@ def _is_awake(world: int, body: int) -> bool:
 
 @compiled
 def _wake_touched(world: int, within: float) -> None:
-    """Keep bodies awake that cloths carry, or touch to within a part of half the thickness, and wake them."""
+    """Wake bodies to which cloths are pinned, or that they touch with a gap below a fraction of half the thickness."""
     contact, pin, numbers = integers(world, CLOTH_CONTACT), integers(world, PIN), floats(world, CLOTH_CONTACT_NUMBERS)
     radius = floats(world, CLOTH_NUMBERS)[0, CLOTH_RADIUS]
     for row in range(rows(world, CLOTH_CONTACT)):
@@ -114,6 +115,7 @@ def _wake_touched(world: int, within: float) -> None:
 
 @compiled
 def _stir(world: int, body: int) -> None:
+    """Wake the island of a dynamic body, and reset its time of rest."""
     own, rested = integers(world, BODY), floats(world, RESTED)
     if own[body, BODY_KIND] == DYNAMIC:
         if own[body, AWAKE] == 0:

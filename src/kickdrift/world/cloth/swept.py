@@ -1,7 +1,7 @@
-"""Where the particles and triangles of cloths may be for as long as pairs are not sought anew.
+"""Bounds of the particles and triangles of cloths that hold as long as pairs remain valid.
 
-Particles are foreseen to move on as they do now, and may stray from there by the skin. Boxes are in a frame that moves with the
-cloths, so that what flies as a whole stays in small ones.
+Particles are predicted to move at constant velocity, and may deviate from that by the skin. Boxes are in a frame that moves
+with the cloths, so that those of a cloth that flies as a whole stay small.
 """
 
 import math
@@ -48,17 +48,17 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_LATE = 1.0 + 1e-9  # of the time for which motion was foreseen
-_SQUEEZED = 0.6  # of its area at rest
-_ANY = 9.0  # half a side of the box of a normal that is not known
-# Cosine of the angle between normals and a direction. Of six triangles around a vertex five may be in a patch, and where they
-# lean by more than 30 degrees the first and the last of them may cross while the sixth is folded away.
+_LATE = 1.0 + 1e-9  # of the horizon, up to which predictions hold, with rounding
+_SQUEEZED = 0.6  # of its area at rest: a triangle that is smaller may turn over in its plane
+_ANY = 9.0  # half a side of the box of an undetermined normal
+# Smallest cosine between the normals of a flat patch and a direction. Of six triangles around a vertex five may be in a patch,
+# and if they are inclined by more than 30 degrees the first and the last may cross while the sixth is folded away.
 _FLAT = 0.9
 
 
 @compiled
 def set_frame(world: int) -> float:
-    """Let the frame move as the particles do on average, and return how fast they are in it, by the mean of squares."""
+    """Set the velocity of the frame to the mean of the particles, and return their root mean square speed in it, m/s."""
     particle, search = floats(world, PARTICLE), floats(world, CLOTH_SEARCH)
     total, squares, count = (0.0, 0.0, 0.0), 0.0, rows(world, PARTICLE)
     for i in range(count):
@@ -72,7 +72,7 @@ def set_frame(world: int) -> float:
 
 @compiled
 def travels(world: int, part: float) -> float:
-    """Return how far two particles move against each other at most in the drift of a part, m."""
+    """Bound the relative displacement of two particles in the drift of a part, m."""
     particle, shift, most = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT), 0.0
     x, y, z = vector_at(floats(world, CLOTH_SEARCH), 0, FRAME_VELOCITY)
     for i in range(rows(world, PARTICLE)):
@@ -85,7 +85,7 @@ def travels(world: int, part: float) -> float:
 
 @compiled
 def stays(world: int, part: float) -> bool:
-    """Whether all particles are where they were foreseen, and still will be after the drift of a part, s."""
+    """Whether all particles are within the skin of their predicted positions, now and after the drift of a part, s."""
     search, particle, path = floats(world, CLOTH_SEARCH), floats(world, PARTICLE), floats(world, PARTICLE_PATH)
     own, numbers, shift = integers(world, CLOTH), floats(world, CLOTH_NUMBERS), floats(world, PARTICLE_SHIFT)
     age = search[0, SEARCH_AGE]
@@ -107,9 +107,9 @@ def stays(world: int, part: float) -> bool:
 
 @compiled
 def sweep(world: int, part: float, h: float) -> None:
-    """Foresee how particles move in the time h, s, and draw the boxes of all that are around that anew.
+    """Predict the motion of particles for a time h, s, and update the boxes of particles, triangles and trees.
 
-    They move as in this part, s: with their velocities and shifts.
+    The predicted velocity is the mean since the last search, including the velocities and shifts of this part, s.
     """
     own, numbers, search = integers(world, CLOTH), floats(world, CLOTH_NUMBERS), floats(world, CLOTH_SEARCH)
     search[0, SEARCH_HORIZON] = h
@@ -117,7 +117,7 @@ def sweep(world: int, part: float, h: float) -> None:
         _sweep_particles(world, cloth, part, numbers[cloth, CLOTH_RADIUS] + numbers[cloth, SKIN])
         for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
             _enclose(world, f)
-            _look(world, f, h)
+            _enclose_normal(world, f, h)
         first, last = own[cloth, FIRST_NODE], own[cloth, LAST_NODE]
         fit(floats(world, CLOTH_TREE)[first:last], floats(world, FACE_BOUNDS))
         fit(floats(world, NORMAL_TREE)[first:last], floats(world, FACE_NORMALS))
@@ -125,6 +125,7 @@ def sweep(world: int, part: float, h: float) -> None:
 
 @compiled
 def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None:
+    """Predict the motion of the particles of a cloth, and write their boxes, enlarged by `around`, m."""
     own, particle, bounds = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_BOUNDS)
     path, shift, search = floats(world, PARTICLE_PATH), floats(world, PARTICLE_SHIFT), floats(world, CLOTH_SEARCH)
     h, age = search[0, SEARCH_HORIZON], search[0, SEARCH_AGE]
@@ -140,6 +141,7 @@ def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None
 
 @compiled(inline=True)
 def _enclose(world: int, f: int) -> None:
+    """Write the box of a triangle from those of its corners."""
     face, bounds, box = integers(world, FACE), floats(world, PARTICLE_BOUNDS), floats(world, FACE_BOUNDS)
     a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
     for k in range(3):
@@ -148,10 +150,10 @@ def _enclose(world: int, f: int) -> None:
 
 
 @compiled
-def _look(world: int, f: int, h: float) -> None:
-    """Draw a box around the normal of a triangle, of length one, as it is now and will be after the time h.
+def _enclose_normal(world: int, f: int, h: float) -> None:
+    """Write the unit normal of a triangle, at present and predicted for a time h, and a box around both.
 
-    One of a triangle that is squeezed may turn over in its plane.
+    The normal of a squeezed triangle is undetermined, since it may turn over in its plane.
     """
     face, particle = integers(world, FACE), floats(world, PARTICLE)
     a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
@@ -171,12 +173,13 @@ def _look(world: int, f: int, h: float) -> None:
 
 @compiled(inline=True)
 def _way(world: int, i: int, h: float) -> Vector:
+    """Return the predicted displacement of a particle in a time h, m."""
     return times(h, vector_at(floats(world, PARTICLE_PATH), i, FORESEEN))
 
 
 @compiled
 def is_flat(boxes: Any, m: int, n: int, o: int) -> bool:
-    """Whether all normals in three boxes are near one direction."""
+    """Whether all normals in three boxes are close to one direction."""
     x, u = min(boxes[m, 0], boxes[n, 0], boxes[o, 0]), max(boxes[m, 3], boxes[n, 3], boxes[o, 3])
     y, v = min(boxes[m, 1], boxes[n, 1], boxes[o, 1]), max(boxes[m, 4], boxes[n, 4], boxes[o, 4])
     z, w = min(boxes[m, 2], boxes[n, 2], boxes[o, 2]), max(boxes[m, 5], boxes[n, 5], boxes[o, 5])
@@ -188,7 +191,7 @@ def is_flat(boxes: Any, m: int, n: int, o: int) -> bool:
 
 @compiled(inline=True)
 def least_cosine(world: int, f: int, g: int) -> float:
-    """Return the cosine of the largest angle between the normals of two triangles, as they are and are foreseen."""
+    """Return the smallest cosine between the normals of two triangles, at present and predicted."""
     turn = floats(world, FACE_TURN)
     a, b, c, d = vector_at(turn, f, 0), vector_at(turn, f, 3), vector_at(turn, g, 0), vector_at(turn, g, 3)
     return min(dot(a, c), dot(a, d), dot(b, c), dot(b, d))

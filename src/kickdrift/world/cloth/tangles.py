@@ -1,8 +1,8 @@
-"""Cloth that crosses cloth already: from the start, or where pins and bodies have forced it.
+"""Untangling of cloths that already cross: from the start, or because pins and bodies have forced it.
 
-Vertices of triangles that cross are left free by impulses and by what stops crossings until they are apart, and the curve in
-which the surfaces cross is shortened, which needs no history: an edge that crosses a triangle is shifted along the slope of
-its length (Volino and Magnenat Thalmann, Resolving surface collisions through intersection contour minimization, SIGGRAPH
+Impulses and the detection of crossings ignore vertices of crossing triangles until these are apart. The intersection contour of
+the surfaces is shortened, which needs no history: an edge that crosses a triangle is shifted along the gradient of the
+contour's length (Volino and Magnenat Thalmann, Resolving surface collisions through intersection contour minimization, SIGGRAPH
 2006). A corner that sticks through comes out; a sheet that cuts another one in two halves stays, and gains no energy.
 """
 
@@ -36,7 +36,7 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-CROSSING = 2  # kind of a pair: triangles, whose rows stand for the first two particles
+CROSSING = 2  # kind of a pair of triangles, whose rows take the place of the first two particles
 _SHARE = (
     0.25  # of the speed at which things are pushed apart, for each edge; impulses in place of shifts throw sheets about
 )
@@ -45,7 +45,7 @@ _MISSES = -1.0
 
 @compiled
 def note_crossing(world: int, f: int, g: int) -> bool:
-    """Add a row for two triangles, if they cross; False where there is no room."""
+    """Add a row for two triangles, if they cross; False if there is no room."""
     if not _cross(world, f, g):
         return True
     row, face, zone = rows(world, CLOTH_PAIR), integers(world, FACE), integers(world, ZONE)
@@ -63,6 +63,7 @@ def note_crossing(world: int, f: int, g: int) -> bool:
 
 @compiled
 def _cross(world: int, f: int, g: int) -> bool:
+    """Whether a side of one of two triangles crosses the other one."""
     if _on_one_side(world, f, g) or _on_one_side(world, g, f):
         return False
     found = False
@@ -73,7 +74,7 @@ def _cross(world: int, f: int, g: int) -> bool:
 
 @compiled
 def _on_one_side(world: int, f: int, g: int) -> bool:
-    """Whether all of a triangle is on one side of the plane of another one."""
+    """Whether a triangle is entirely on one side of the plane of another one."""
     face, particle = integers(world, FACE), floats(world, PARTICLE)
     origin = vector_at(particle, face[g, CORNERS], 0)
     p, q = (
@@ -90,7 +91,7 @@ def _on_one_side(world: int, f: int, g: int) -> bool:
 
 @compiled
 def _crossed_at(world: int, f: int, k: int, g: int) -> float:
-    """Return where along a side of a triangle another one is crossed, from 0 to 1; `_MISSES` where it is not."""
+    """Return the position from 0 to 1 at which side k of triangle f crosses triangle g, or `_MISSES`."""
     face, particle = integers(world, FACE), floats(world, PARTICLE)
     i, j = face[f, CORNERS + k], face[f, CORNERS + (k + 1) % 3]
     ia, ib, ic = face[g, CORNERS], face[g, CORNERS + 1], face[g, CORNERS + 2]
@@ -111,7 +112,7 @@ def _crossed_at(world: int, f: int, k: int, g: int) -> float:
 
 @compiled
 def untangle(world: int, row: int, distance: float) -> None:
-    """Shift two triangles, for as long as they cross, by so much for each edge, m, so that they cross along less."""
+    """Shift two triangles, as long as they cross, by a distance for each crossing edge, m, to shorten their contour."""
     pair = integers(world, CLOTH_PAIR)
     f, g = pair[row, PAIR_PARTICLES], pair[row, PAIR_PARTICLES + 1]
     for k in range(3):
@@ -123,10 +124,10 @@ def untangle(world: int, row: int, distance: float) -> None:
 
 @compiled
 def _pull_out(world: int, f: int, k: int, s: float, g: int, distance: float) -> None:
-    """Shift a side of a triangle against another one that it crosses at s.
+    """Shift side k of triangle f, which crosses triangle g at s, relative to g by a distance, m.
 
-    With the directions E of the side, R of the curve from there into its triangle, and the normal N of the other triangle, the
-    slope is R - 2 (E . R) / (E . N) N.
+    With the directions E of the side and R of the contour from there into f, and the normal N of g, the gradient of the
+    contour's length is R - 2 (E . R) / (E . N) N.
     """
     face, particle, shift = integers(world, FACE), floats(world, PARTICLE), floats(world, PARTICLE_SHIFT)
     i, j, o = face[f, CORNERS + k], face[f, CORNERS + (k + 1) % 3], face[f, CORNERS + (k + 2) % 3]

@@ -1,4 +1,4 @@
-"""In how many parts a substep of a cloth is done, and how stiff it can be in them."""
+"""Choice of the number of parts of a substep of a cloth, and of the stiffness that is stable in them."""
 
 import math
 
@@ -10,17 +10,17 @@ from kickdrift.world.cloth import layout as c
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-MOST_PARTS = 64  # of a substep; where a cloth is so stiff that it would take more, it is made softer
-# With the angle w that a vibration turns by in a part, and damping d, kick and drift are stable for w^2 (1 + 2 d / part) < 4.
-# The highest of membrane and bending may be one vibration, so that theirs are added. What is stretched is stiffer against
-# shear, so that some is left.
+MOST_PARTS = 64  # of a substep; a cloth that is so stiff that it needs more is made softer
+# With the phase w of a vibration per part, and damping d, kick and drift are stable for w^2 (1 + 2 d / part) < 4. The highest
+# modes of membrane and bending may coincide, so their squares are added. A margin is left, since stretched cloth is stiffer in
+# shear.
 _STABLE, _DAMPED = 1.6**2, 1.8**2
 _NAMES = "stretch_stiffness", "shear_stiffness", "bending_stiffness", "damping of the membrane", "damping of bending"
 _UNITS = "N/m", "N/m", "N m", "s", "s"
 
 
 def tune(own: Integers, numbers: Floats, substep: float) -> None:
-    """Choose parts of a substep for a cloth, and make it softer where they would be too many."""
+    """Choose the number of parts of a substep, s, for a cloth, and soften it if they would be too many."""
     stretch, shear, bending, damping, _ = numbers[c.ASKED : c.ASKED + 5].tolist()
     rates = numbers[[c.MEMBRANE_RATE, c.BENDING_RATE]]
     fastest = substep * math.sqrt(float(rates @ rates) / _STABLE)
@@ -36,7 +36,10 @@ def tune(own: Integers, numbers: Floats, substep: float) -> None:
 
 
 def _granted(wanted: Floats, limit: float) -> Floats:
-    """Return how much two get of what they want, as a part of it: half of the limit at least, and what the other leaves."""
+    """Divide a limit between two demands: return the fraction of each that is granted, (2,).
+
+    Each gets at least half of the limit, if it wants that, and what the other leaves.
+    """
     first = min(wanted[0], max(0.5 * limit, limit - wanted[1]))
     given = np.array([first, min(wanted[1], limit - first)])
     granted: Floats = np.divide(given, wanted, where=wanted > 0.0, out=np.ones(2))
@@ -44,7 +47,7 @@ def _granted(wanted: Floats, limit: float) -> Floats:
 
 
 def softness(words: str, numbers: Floats) -> str:
-    """Say of a cloth, if it is softer or less damped than was asked, what it is, and what would help."""
+    """Return a note on a cloth that is softer or less damped than its fabric, with what would help, or an empty string."""
     asked, used = numbers[c.ASKED : c.ASKED + 5].tolist(), numbers[c.STRETCH : c.STRETCH + 5].tolist()
     found = [
         f"{name} {now:.3g} of {wanted:.3g} {unit}"

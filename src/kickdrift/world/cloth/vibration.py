@@ -1,4 +1,4 @@
-"""The fastest vibration of a cloth, which says in how many parts a substep is done."""
+"""The highest vibration frequency of a cloth, which determines the number of parts of a substep."""
 
 import math
 
@@ -15,12 +15,12 @@ from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS, PARTICLE, Tables
 
 Floats = NDArray[np.float64]
 
-_FEW = 300  # unknowns, for which all eigenvalues are found
-_TOLERANCE = 1e-3  # of the largest one, by which it is raised
+_FEW = 300  # number of unknowns below which all eigenvalues are computed
+_TOLERANCE = 1e-3  # relative tolerance of the largest eigenvalue, by which it is raised
 
 
 def membrane_rate(mesh: ClothMesh, axes: Floats, to_rest: Floats, stiffness: Floats, masses: Floats) -> float:
-    """Find the highest angular frequency of a membrane without tension, rad/s.
+    """Return the highest angular frequency of a membrane without tension, rad/s.
 
     Parameters
     ----------
@@ -28,9 +28,9 @@ def membrane_rate(mesh: ClothMesh, axes: Floats, to_rest: Floats, stiffness: Flo
     axes : (M, 2, 3) array
         Warp and weft of each triangle.
     to_rest : (M, 4) array
-        As of `kickdrift.world.cloth.membrane.inverse_edges`.
+        From `kickdrift.world.cloth.membrane.inverse_edges`.
     stiffness : (M, 2) array
-        Of each triangle against stretching and shear, times its area, N m.
+        Stretching and shear stiffness times the area of each triangle, N m.
     masses : (N,) array
         kg.
     """
@@ -46,7 +46,7 @@ def membrane_rate(mesh: ClothMesh, axes: Floats, to_rest: Floats, stiffness: Flo
 
 
 def put_membrane_rate(tables: Tables, row: int, mesh: ClothMesh) -> None:
-    """Write the highest angular frequency of the membrane of a cloth, with the stiffness that was asked for."""
+    """Write the highest angular frequency of the membrane of a cloth with its nominal stiffness, rad/s."""
     rest, numbers = rows_of(tables, row, c.FIRST_FACE, FACE_NUMBERS), tables.array(CLOTH_NUMBERS)[row]
     to_rest, areas = rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA]
     corners = mesh.vertices[mesh.triangles]
@@ -58,7 +58,7 @@ def put_membrane_rate(tables: Tables, row: int, mesh: ClothMesh) -> None:
 
 
 def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Floats) -> float:
-    """Find a bound for the angular frequency of bending, rad/s, of a bending stiffness of 1 N m; of flat cloths the highest.
+    """Bound the angular frequency of bending with a bending stiffness of 1 N m, rad/s; for flat cloths it is the highest one.
 
     Parameters
     ----------
@@ -69,10 +69,8 @@ def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Float
     masses : (N,) array
         kg.
 
-    Notes
-    -----
-    Curvature changes by H dx - c dn. The first part is fastest where cloth is flat at rest; a normal turns by no more than the
-    gradient of a displacement, n x (side across the corner) / (2 A) for each corner.
+    Notes ----- Curvature changes by H dx - c dn. The first term is that of a flat cloth; the change of the normal is bounded by
+    the gradient of the displacement, n x (opposite side) / (2 A) for each corner.
     """
     roots = np.sqrt(areas)[:, None, None]
     highest = _highest(bending.rows * roots, bending.stencils, masses)
@@ -87,7 +85,7 @@ def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Float
 
 
 def _highest(rows: Floats, columns: NDArray[np.int64], masses: Floats) -> float:
-    """Find the square root of the largest eigenvalue of M^-1/2 R^T R M^-1/2 for rows (M, 3, K) in columns (M, K)."""
+    """Return the square root of the largest eigenvalue of M^-1/2 R^T R M^-1/2 for rows (M, 3, K) in columns (M, K)."""
     count, width = len(rows), rows.shape[2]
     where = np.broadcast_to(columns[:, None, :], rows.shape)
     starts = np.arange(0, 3 * count * width + 1, width)

@@ -1,4 +1,4 @@
-"""What the air does to a cloth: drag along the relative wind, and lift across it, on every triangle."""
+"""Aerodynamic forces on cloth: drag along the relative wind, and lift perpendicular to it, on every triangle."""
 
 import math
 
@@ -33,7 +33,7 @@ from kickdrift.world.tables import (
 
 @compiled
 def calm(t: float, h: float, world: int) -> None:
-    """Begin with no wind beside those that cloths have, to which users' functions add."""
+    """Set the winds of users' functions, which add to those of cloths, to zero."""
     blows = floats(world, PARTICLE_WIND)
     for i in range(rows(world, PARTICLE_WIND)):
         for k in range(3):
@@ -42,11 +42,12 @@ def calm(t: float, h: float, world: int) -> None:
 
 @compiled
 def add_wind(world: int, cloth: int, h: float, part: float) -> None:
-    """Kick the particles of a cloth by the air; what is pinned gets a force that does as much in the first part, s.
+    """Apply the impulses of the air in a substep h to the particles of a cloth.
 
-    With the area A, the normal n and the wind w = s d, of speed s, that a triangle feels, drag is
-    rho C_d A s^2 |n . d| d / 2 and lift rho C_l A s^2 (n . d) (n - (n . d) d) / 2. In a substep drag takes no more than the
-    wind that a triangle feels, so that it never turns it round, and both together leave it no more, as lift only turns it.
+    Pinned particles get a force instead, with the same impulse in the first part, s. With the area A, the normal n and the
+    relative wind s d, of speed s, of a triangle, drag is rho C_d A s^2 |n . d| d / 2 and lift
+    rho C_l A s^2 (n . d) (n - (n . d) d) / 2. In a substep drag takes at most the relative wind of a triangle, so it never
+    reverses it, and drag and lift together do not increase it, since lift only turns it.
     """
     numbers, face, own = floats(world, CLOTH_NUMBERS), integers(world, FACE), integers(world, CLOTH)
     particle, rest, blows = floats(world, PARTICLE), floats(world, FACE_NUMBERS), floats(world, PARTICLE_WIND)

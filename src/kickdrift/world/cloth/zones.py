@@ -1,7 +1,7 @@
-"""Zones of particles that move through a part of a substep as a rigid body does, so that nothing in them crosses.
+"""Rigid impact zones: sets of particles that move through a part of a substep as a rigid body, so that nothing in them crosses.
 
-Momentum and angular momentum are those of their particles. While all of a zone moves along straight lines to where a rigid
-body would be, it is turned and shrunk as a whole, which crosses nothing.
+Momentum and angular momentum are those of their particles. While the particles of a zone move along straight lines to the pose
+of a rigid body, the zone is rotated and scaled as a whole, so that nothing crosses in between.
 """
 
 from kickdrift.core.compilation import compiled
@@ -21,13 +21,13 @@ from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.tables import PARTICLE, PARTICLE_SHIFT, ZONE, ZONE_NUMBERS, floats, integers, rows
 
-_HELD = 1e9  # times the mass of a particle that is free: of one that is pinned
-_FLAT = 1e-9  # of the trace of inertia, added so that zones in a line have an inverse
+_HELD = 1e9  # factor of the mass of pinned particles
+_FLAT = 1e-9  # of the trace of the inertia, added to its diagonal so that it is invertible for collinear zones
 
 
 @compiled
 def begin_zones(world: int) -> None:
-    """Let each particle be a zone of its own."""
+    """Make each particle a zone of its own."""
     zone = integers(world, ZONE)
     for i in range(rows(world, PARTICLE)):
         zone[i, IN_ZONE] = i
@@ -35,15 +35,15 @@ def begin_zones(world: int) -> None:
 
 @compiled
 def join_zone(world: int, i: int, j: int) -> None:
-    """Make one of the zones of two particles."""
+    """Unite the zones of two particles."""
     unite(integers(world, ZONE), IN_ZONE, i, j)
 
 
 @compiled
 def move_zones(world: int, part: float) -> None:
-    """Give the particles of each zone of several the velocities of a rigid body, with which they move in a part, s.
+    """Give the particles of each zone of more than one the velocities of a rigid body in a part, s.
 
-    A shift does no more than turn straight lines into the motion of that body.
+    Shifts add the difference between the rotation of that body and straight lines.
     """
     zone, numbers, count = integers(world, ZONE), floats(world, ZONE_NUMBERS), rows(world, PARTICLE)
     particle, shift = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT)
@@ -91,6 +91,7 @@ def _add_turn(world: int, i: int) -> None:
 
 @compiled(inline=True)
 def _mass(world: int, i: int) -> float:
+    """Return the mass of a particle in a zone: very large if it is pinned, kg."""
     particle = floats(world, PARTICLE)
     mass: float = particle[i, PARTICLE_MASS]
     return mass if particle[i, PARTICLE_INVERSE_MASS] > 0.0 else _HELD * mass
@@ -98,5 +99,6 @@ def _mass(world: int, i: int) -> float:
 
 @compiled(inline=True)
 def _thickened(s: Symmetric) -> Symmetric:
+    """Return an inertia with `_FLAT` times its trace added to the diagonal."""
     more = _FLAT * (s[0] + s[1] + s[2])
     return (s[0] + more, s[1] + more, s[2] + more, s[3], s[4], s[5])

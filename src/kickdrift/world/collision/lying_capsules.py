@@ -1,8 +1,8 @@
-"""Capsules that lie on something: they touch it at two points, or they would rock from end to end.
+"""Capsules that lie on a face or along an edge: two contact points, without which they would rock from end to end.
 
-A capsule is the segment ``centre + t axis``, -half <= t <= half, in the frame of what it lies on, and a radius. The
-normal points to the capsule. Its closest point is known; if the capsule lies along a face or an edge, the range of t
-that does so has two ends, and these become the points of the contact.
+A capsule is the segment ``centre + t axis``, -half <= t <= half, in the frame of the other shape, and a radius. The normal
+points to the capsule. Its closest point is given; if the capsule lies along a face or an edge, the ends of the range of t that
+does become the contact points.
 """
 
 from typing import Any
@@ -14,21 +14,21 @@ from kickdrift.world.shapes.closest_points import along, clamped
 
 LOWER, UPPER, BETWEEN = 0, 1, 2  # features of a capsule: the end at -z, the end at +z, the side
 
-STEEP = 0.2  # sine of the angle between capsule and face from which on it stands and does not lie
-FLAT = 0.98  # cosine of the angle between normal and face up to which a contact is one with the face
-_PARALLEL = 0.95  # cosine of the angle between a capsule and an edge that it lies along
-ASTRAY = 0.1  # radii, by which the two points of a pair may miss each other sideways
-SHORT = 0.1  # radii, a range below which two points are one
-CROSSED = 1e-8  # of the size of things: nearer than that, the direction from one to the other is rounding
+STEEP = 0.2  # sine of the angle between capsule and face above which it does not lie on the face
+FLAT = 0.98  # cosine of the angle between contact normal and face normal above which the contact is one with the face
+_PARALLEL = 0.95  # cosine of the angle between a capsule and an edge above which it may lie along the edge
+ASTRAY = 0.1  # radii: sideways distance up to which a capsule lies along an edge
+SHORT = 0.1  # radii: length of a range below which it is one point
+CROSSED = 1e-8  # of the size of the shapes: the direction between closer points is rounding
 _TIE = 1e-12
 
 Range = tuple[float, float]
-Contact = tuple[int, float, Vector, float, Vector]  # how many; position on the capsule and point touched, of each
+Contact = tuple[int, float, Vector, float, Vector]  # number of points; of each, its t and the point of the other shape
 
 
 @compiled
 def direction(out: Vector, distance: float, u: Vector, v: Vector, size: float) -> Vector:
-    """Return the unit vector along `out`, or, where it is zero because two axes cross, one at right angles to both."""
+    """Return the unit vector along `out`, or, if that is zero because two axes cross, one perpendicular to both."""
     if distance > CROSSED * size:
         return times(1.0 / distance, out)
     across = cross(u, v)
@@ -42,23 +42,23 @@ def direction(out: Vector, distance: float, u: Vector, v: Vector, size: float) -
 def beside(
     offset: Vector, u: Vector, half: float, v: Vector, other: float, normal: Vector, t: float, reach: float
 ) -> Range:
-    """Range of a segment that lies along another one; empty, (t, t), if they cross or if one stands on the other.
+    """Return the range of a segment that lies along another one; empty, (t, t), if they cross or one stands on the other.
 
     Parameters
     ----------
     offset : (3,) tuple
-        From the middle of the first to the middle of the second.
+        Vector from the middle of the first to the middle of the second, m.
     u, v : (3,) tuple
         Their directions, unit vectors.
     half, other : float
-        Half their lengths.
+        Half their lengths, m.
     normal : (3,) tuple
-        Direction between their closest points.
+        Unit vector between their closest points.
     t : float
         Closest point of the first.
     reach : float
-        By how much they may miss each other sideways. Two straight things that cross at a small angle touch at one
-        point; two points would hold them apart where nothing is.
+        Sideways distance within the range, m. Segments that cross at a small angle touch at one point; two points farther away
+        would hold them apart where they do not touch.
     """
     cosine = dot(u, v)
     if abs(cosine) < _PARALLEL or abs(dot(normal, u)) > STEEP or abs(dot(normal, v)) > STEEP:
@@ -70,7 +70,7 @@ def beside(
 
 @compiled(inline=True)
 def foot_on_edge(x: Vector, middle: Vector, axis: Vector, half: float) -> Vector:
-    """Point of an edge that is nearest to a point."""
+    """Return the point of an edge nearest to a point."""
     return along(middle, clamped(dot(minus(x, middle), axis), -half, half), axis)
 
 
@@ -78,7 +78,7 @@ def foot_on_edge(x: Vector, middle: Vector, axis: Vector, half: float) -> Vector
 def nearer(square: float, cosine: float, best: float, best_cosine: float) -> bool:
     """Whether a feature is nearer than the best one, or as near and at a smaller angle to the capsule.
 
-    Where a capsule lies along an edge, the end of the next edge is just as near.
+    If a capsule lies along an edge, the end of the adjacent edge is just as near.
     """
     return square < best * (1.0 - _TIE) or (square <= best * (1.0 + _TIE) and cosine > best_cosine)
 
@@ -94,10 +94,10 @@ def ends(
     span: Range,
     feet: tuple[Vector, Vector],
 ) -> Contact:
-    """Return the ends of a range as the points of a contact, or the closest point alone if the range is short.
+    """Return the ends of a range as contact points, or only the closest point if the range is short.
 
-    If neither end is as near as the closest point (a tilted capsule touches somewhere between them where its normal is
-    not quite the face's), that takes the place of the end beside it.
+    If neither end is as near as the closest point, as for a tilted capsule whose contact normal is not quite that of the face,
+    the closest point replaces the nearer end.
     """
     low, high = span
     if not high - low > SHORT * radius:
@@ -121,7 +121,7 @@ def put_capsule_first(
     margin: float,
     manifold: Any,
 ) -> int:
-    """Write the points of a capsule (centre, axis, half, radius) on the second shape, in whose frame all is given."""
+    """Write the contact points of a capsule (centre, axis, half, radius), the first shape, given in the frame of the second."""
     inward = turned(q, times(-1.0, normal))
     put_normal(manifold, inward)
     return _put_points(contact, capsule, normal, inward, True, margin, manifold)
@@ -136,7 +136,7 @@ def put_capsule_second(
     margin: float,
     manifold: Any,
 ) -> int:
-    """Write the points of a capsule (centre, axis, half, radius) on the first shape, in whose frame all is given."""
+    """Write the contact points of a capsule (centre, axis, half, radius), the second shape, given in the frame of the first."""
     put_normal(manifold, normal)
     return _put_points(contact, capsule, normal, turned_back(q, times(-1.0, normal)), False, margin, manifold)
 
@@ -151,7 +151,7 @@ def _put_points(
     margin: float,
     manifold: Any,
 ) -> int:
-    """Write the points within the margin; `inward` is the normal in the frame of the capsule, to what it lies on."""
+    """Write the points within the margin; `inward` is the direction to the other shape, in the frame of the capsule."""
     centre, axis, half, radius = capsule
     count = 0
     for k in range(contact[0]):
@@ -166,7 +166,7 @@ def _put_points(
 
 @compiled(inline=True)
 def part(count: int, k: int, t: float, half: float) -> int:
-    """Return the feature of a capsule that the k-th of so many points is on."""
+    """Return the feature of a capsule at the k-th of `count` points."""
     if count == 2:
         return k
     return UPPER if t >= half else LOWER if t <= -half else BETWEEN

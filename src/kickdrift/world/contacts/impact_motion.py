@@ -1,7 +1,7 @@
-"""Bodies where they hit: moved to the moment of their impact within the substep, and set back afterwards.
+"""Motion of bodies to the time of their impact within the substep, and back.
 
-They fly there as the two letters `kick` and `drift` would have them: by the midpoint rule, and turning with their angular
-momentum. What they are left with begins the substep again, from where it leads through the impact.
+They fly there as by the stages `kick` and `drift`: by the midpoint rule, and rotating with their angular momentum. After the
+impact they are moved back to the pose from which their new velocities lead through it, for the drift that follows.
 """
 
 from typing import Any
@@ -67,9 +67,9 @@ from kickdrift.world.tables import (
 
 _SIZE = c.FIELDS * c.WIDTH
 
-# Position, orientation, velocity, angular velocity, angular acceleration, and the angle vector since the substep began
+# Position, orientation, velocity, angular velocity, angular acceleration, and the rotation vector since the substep began
 Flight = tuple[Vector, Quaternion, Vector, Vector, Vector, Vector]
-Place = tuple[Vector, Quaternion]  # position, and the turn since the step began
+Place = tuple[Vector, Quaternion]  # position, and the rotation since the step began
 
 
 @compiled(inline=True)
@@ -82,7 +82,7 @@ def constraint(world: int, row: int) -> Any:
 
 @compiled(inline=True)
 def vector_of(own: Any, field: int) -> Vector:
-    """Three fields of a constraint, whose lane `own` begins at."""
+    """Return three fields of a constraint as a vector; `own` begins at its lane."""
     return (own[field * c.WIDTH], own[(field + 1) * c.WIDTH], own[(field + 2) * c.WIDTH])
 
 
@@ -95,7 +95,7 @@ def is_moved(world: int, body: int) -> bool:
 
 @compiled
 def flown(h: float, world: int, body: int, when: float) -> Flight:
-    """Return where a body is at a time in the substep, and how it moves there; `Flight` names the six."""
+    """Return pose and motion of a body at a time `when` in the substep, s, by free flight; see `Flight`."""
     pose, motion, kicked, inertia = (
         floats(world, POSE),
         floats(world, MOTION),
@@ -110,7 +110,7 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
     v = minus(v, times(_left_to_gain(h, world, when), vector_at(kicked, body, ADDED)))
     if inertia[body, SPHERICAL] != TUMBLES:
         return at, product(exponential(times(when, w)), q), v, w, none, times(when, w)
-    # From where its last impact left it: what lies before that is no flight.
+    # From its last impact on; before that, it has not rotated as in free flight.
     last, spin = kicked[body, IMPACT_TIME], vector_at(kicked, body, SPIN)
     way = times(last, w)
     if last > 0.0:
@@ -125,13 +125,13 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
 
 @compiled(inline=True)
 def place_of(world: int, body: int, at: Vector, q: Quaternion) -> Place:
-    """Return where a body is, and how it has turned since the step began."""
+    """Return position and rotation since the step began, from the position and orientation of a body."""
     return at, product(q, conjugate(quaternion_at(floats(world, STARTED_POSE), body, ORIENTATION)))
 
 
 @compiled
 def arms_between(own: Any, point: int, normal: Vector, a: Place, b: Place) -> tuple[Vector, Vector, Vector]:
-    """Arms of both bodies to their own points, and the way from the first to the second."""
+    """Return the arms of both bodies to their own points of contact, and the vector from the first point to the second."""
     anchor = c.ANCHORS + c.ANCHOR_SIZE * point
     arm_a, arm_b = turned(a[1], vector_of(own, anchor)), turned(b[1], vector_of(own, anchor + c.ANCHOR_B))
     radius_a, radius_b = own[(anchor + c.RADII) * c.WIDTH], own[(anchor + c.RADII + 1) * c.WIDTH]
@@ -142,7 +142,7 @@ def arms_between(own: Any, point: int, normal: Vector, a: Place, b: Place) -> tu
 
 @compiled
 def arms_now(world: int, row: int, own: Any, point: int, when: float, normal: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return the same of bodies that were moved to where they hit; what impulses do not move is flown there."""
+    """Return the same for bodies moved to their impact; immovable ones, which are not, are extrapolated to its time."""
     contact = integers(world, CONTACT)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     return arms_between(own, point, normal, _place_now(world, a, when), _place_now(world, b, when))
@@ -150,6 +150,7 @@ def arms_now(world: int, row: int, own: Any, point: int, when: float, normal: Ve
 
 @compiled(inline=True)
 def _place_now(world: int, body: int, when: float) -> Place:
+    """Return the present place of a body, or for an immovable one that at a time in the substep."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     at, q = vector_at(pose, body, POSITION), quaternion_at(pose, body, ORIENTATION)
     if not is_moved(world, body):
@@ -160,14 +161,14 @@ def _place_now(world: int, body: int, when: float) -> Place:
 
 @compiled(inline=True)
 def _away(axis: Vector, normal: Vector) -> Vector:
-    """Return where radii about an axis point; along the normal, if there is none."""
+    """Return the direction of radii about an axis: the part of the normal perpendicular to it; the normal for a zero axis."""
     way = minus(normal, times(dot(normal, axis), axis))
     return times(1.0 / max(length(way), 1e-150), way)
 
 
 @compiled
 def move_to_impact(h: float, world: int, body: int) -> None:
-    """Move a body to where it is at its next impact, with the angular velocity that it has there."""
+    """Move a body to the pose of its next impact, with the velocities that it has there."""
     kicked, pose, motion = floats(world, KICKED), floats(world, POSE), floats(world, MOTION)
     when = kicked[body, NEXT_IMPACT]
     if when < 0.0 or not is_moved(world, body):
@@ -182,7 +183,7 @@ def move_to_impact(h: float, world: int, body: int) -> None:
 
 @compiled
 def leave_impact(h: float, world: int, body: int) -> None:
-    """Set a body back to where it would have begun the substep to be where it is now with the velocities that it has."""
+    """Move a body back to the pose from which its present velocities lead to the present pose in the time since the start."""
     kicked, pose, motion, delta_pose = (
         floats(world, KICKED),
         floats(world, POSE),
@@ -216,7 +217,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
 
 @compiled(inline=True)
 def _way(h: float, world: int, body: int, when: float) -> Vector:
-    """How far a body flies from the start of the substep until a time, by the midpoint rule if that is asked for."""
+    """Return the displacement of a body from the start of the substep to a time, m, by the midpoint rule if it is set."""
     kicked, midpoint = floats(world, KICKED), floats(world, SETTINGS)[0, MIDPOINT]
     late = midpoint * when * (0.5 * when / h - 1.0)
     return plus(times(when, vector_at(kicked, body, KICKED_VELOCITY)), times(late, vector_at(kicked, body, ADDED)))
@@ -224,14 +225,14 @@ def _way(h: float, world: int, body: int, when: float) -> Vector:
 
 @compiled(inline=True)
 def _left_to_gain(h: float, world: int, when: float) -> float:
-    """Return what part of the kick a body has yet to gain at a time, by the midpoint rule if that is asked for."""
+    """Return the fraction of the kick that a body still has to gain at a time, if the midpoint rule is set; else 0."""
     left: float = floats(world, SETTINGS)[0, MIDPOINT] * (1.0 - when / h)
     return left
 
 
 @compiled
 def _turn_to(world: int, body: int, turn: Quaternion) -> None:
-    """Give a body an orientation, and the inertia that it has there."""
+    """Set the orientation of a body, and its inverse inertia in the world's axes."""
     pose, inverse_mass, inertia = floats(world, POSE), floats(world, INVERSE_MASS), floats(world, INERTIA)
     q = unit(turn)
     for k in range(4):
@@ -244,7 +245,7 @@ def _turn_to(world: int, body: int, turn: Quaternion) -> None:
 
 @compiled
 def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
-    """Return the normal of a contact where its bodies hit: of two balls or capsules the line between their cores."""
+    """Return the normal of a contact at its impact: for two balls or capsules the direction between their cores."""
     normal, radii, axes = vector_of(own, c.N), c.ANCHORS + c.RADII, c.AXES
     radius_a, radius_b = own[radii * c.WIDTH], own[(radii + 1) * c.WIDTH]
     about_axes = length(vector_of(own, axes)) + length(vector_of(own, axes + 3)) > 0.0

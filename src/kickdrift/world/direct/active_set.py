@@ -224,5 +224,5 @@ def review(
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = update_law_states(joint, order[place, 0], h, task != PRESS, begun, world) and settled
+            settled = update_law_states(joint, order[place, 0], h, task != PRESS, begun, bounded, world) and settled
     return settled

@@ -17,6 +17,7 @@ from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
     AFTER_NODE,
+    FIRST_CLOSING,
     FIRST_CONTACT,
     FIRST_JOINT,
     FIRST_NODE,
@@ -69,9 +70,10 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Turn in a substep that is too far, and the one from which on an island is judged, rad; and the fractions of its energy that it
-# may lose or gain in a step in either case. Chains of six random rods jump by up to 2 %, and are within 1 % after 5 s.
-LONG_TURN, JUDGED_TURN = 0.5, 0.1
+# Turn in a substep that is too far, and those from which on islands without and with loops are judged, rad; and the parts of
+# its energy that an island may lose or gain in a step in either case. Chains of six random rods jump by up to 2 %, and are
+# within 1 % after 5 s.
+LONG_TURN, JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.5, 0.1, 0.01
 MOST, LEAP = 0.01, 0.03
 
 TINY = 1e-300  # J
@@ -90,7 +92,8 @@ def note_losses(t: float, h: float, world: int) -> None:
     for island in range(rows(world, ISLAND)):
         body, rate = _fastest(island, world)
         far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
-        if not (far or rate * substep > JUDGED_TURN) or not _is_alone(island, world):
+        judged = JUDGED_TURN_OF_LOOPS if islands[island, AFTER_JOINT] > islands[island, FIRST_CLOSING] else JUDGED_TURN
+        if not (far or rate * substep > judged) or not _is_alone(island, world):
             continue
         loss = _loss(island, h, world)
         if abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world)):

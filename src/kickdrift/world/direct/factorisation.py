@@ -29,12 +29,15 @@ from kickdrift.world.direct.blocks import (
     rows_along,
 )
 from kickdrift.world.direct.layout import (
+    AFTER_JOINT,
     BLOCK_COUPLING,
     BLOCK_PASSING,
+    FIRST_CLOSING,
     FIRST_NEIGHBOUR,
     LINK_ROW,
     LOWER_BLOCK,
     NEIGHBOURS,
+    NODE_ISLAND,
     PARENT_NODE,
     UPPER_BLOCK,
 )
@@ -55,7 +58,7 @@ from kickdrift.world.joints.layout import (
     SLOPE,
     YIELD,
 )
-from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
+from kickdrift.world.tables import BLOCK, ISLAND, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -120,6 +123,14 @@ def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: 
     add_block(table, target, back, move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead))
 
 
+@compiled(inline=True, cached=False, fast=True)
+def _is_closed(node: int, world: int) -> bool:
+    """Whether joints close loops in the island of a node."""
+    own = integers(world, ISLAND)[integers(world, NODE)[node, NODE_ISLAND]]
+    closed: bool = own[AFTER_JOINT] > own[FIRST_CLOSING]
+    return closed
+
+
 @compiled(cached=False, fast=True)
 def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: int, world: int) -> None:
     """Eliminate an open axis of a joint from the inertia of what is attached to it, and from its coupling to neighbours."""
@@ -132,7 +143,8 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
     for i in range(6):
         work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
     stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
-    give = 1.0 / stiff if stiff > 0.0 else 0.0
+    # Below zero where a loop passes a dead point: its impulses of the start then act against its velocities of the end.
+    give = 1.0 / stiff if stiff > 0.0 or (stiff < 0.0 and _is_closed(node, world)) else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
         add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * work[link, column + i], along)

@@ -20,6 +20,7 @@ Euler, which brings them to rest. Newmark, J. Eng. Mech. Div. 85 (1959) 67; Kane
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.joints.kinematics import shares_friction
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
     ACCEPTED_IMPULSE,
@@ -33,6 +34,7 @@ from kickdrift.world.joints.layout import (
     DRIVE_STIFFNESS,
     DRIVEN,
     DRIVEN_MASS,
+    FRICTION_SHARE,
     JOINT_FRICTION,
     JOINT_IMPULSE,
     JOINT_POSITION,
@@ -61,6 +63,9 @@ _RIGID = 1e6
 # How fast what is beyond a limit returns to it, m/s or rad/s: by a few hundredths of a radian in a substep, which joints can
 # follow. Limits are passed where they are set so, as by a robot whose knees are straight, which its joints do not allow.
 _RETURN = 5.0
+
+# What the direction of friction may be off by
+_TURNED = 1e-3
 
 # Codes of pieces: upright ones, and others, which are _OPEN and three digits to the base 3
 AT_LOWER, AT_UPPER, STICKS, AT_SPEED, _OPEN = 1, 2, 3, 4, 5
@@ -166,7 +171,7 @@ def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, f
 
 @compiled(inline=True, cached=False)
 def _piece(
-    joint: int, k: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float, world: int
+    joint: int, link: int, k: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float, world: int
 ) -> tuple[int, bool, float, float]:
     """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
@@ -183,8 +188,51 @@ def _piece(
     scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == SWING_TWIST else 1.0
     return solution(
         speed - mobility * impulse, mobility, scale * lower / h, scale * upper / h,
-        h * laws[row, JOINT_FRICTION], h * laws[row, MOTOR_MAXIMUM], laws[row, MOTOR_SPEED], constant, slope, maximum,
+        _friction(joint, link, k, h, world), h * laws[row, MOTOR_MAXIMUM], laws[row, MOTOR_SPEED], constant, slope, maximum,
     )  # fmt: skip
+
+
+@compiled(inline=True, cached=False)
+def _friction(joint: int, link: int, k: int, h: float, world: int) -> float:
+    """Bound the impulse of friction about or along an axis."""
+    most: float = h * floats(world, JOINT_AXES)[6 * joint + k, JOINT_FRICTION]
+    return most if k < 3 else most * floats(world, LINK_NUMBERS)[link, FRICTION_SHARE + k - 3]
+
+
+@compiled(cached=False)
+def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool, world: int) -> bool:
+    """Share the friction of a ball joint among its axes, as it bounds the size of the torque; return whether nothing changes.
+
+    As that of contacts it acts along the impulse that would hold the joint, found with the solution at hand, or with the one
+    before, once it is bounded.
+    """
+    work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    if first:
+        for k in range(3):
+            work[link, FRICTION_SHARE + k] = 1.0
+    if bounded or not shares_friction(joint, world):
+        return True
+    square, same = 1e-300, not first
+    for trial in range(2):
+        scale = 1.0 / math.sqrt(square)
+        for k in range(3, 6):
+            if relaxing:
+                constant, maximum = laws[6 * joint + k, DRIVE_CONSTANT], h * laws[6 * joint + k, DRIVE_MAXIMUM]
+            else:
+                constant, _, maximum = _drive_of(joint, k, h, world)
+            line = laws[6 * joint + k, MOBILITY] / (1.0 if first else _RIGID)
+            moved, base = work[link, ACCEPTED_DELTA_SPEED + k], work[link, LAW_BASE + k]
+            if first:
+                moved, base = 0.0, 0.0
+            speed, impulse = work[link, AXIS_SPEED + k] + moved, numbers[joint, JOINT_IMPULSE + k] + base
+            wish = impulse - speed / line - _drive(0.0, constant, 0.0, maximum)
+            if trial == 0:
+                square += wish * wish
+            else:
+                share = abs(wish) * scale
+                same = same and abs(share - work[link, FRICTION_SHARE + k - 3]) <= _TURNED
+                work[link, FRICTION_SHARE + k - 3] = share
+    return same
 
 
 @compiled(cached=False)
@@ -193,16 +241,19 @@ def law_impulse(joint: int, k: int, link: int, h: float, relaxing: bool, moved: 
     work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, JOINT_IMPULSE + k]
     mobility = floats(world, JOINT_AXES)[6 * joint + k, MOBILITY] / _RIGID
     speed, base = work[link, AXIS_SPEED + k] + moved, work[link, LAW_BASE + k]
-    _, held, value, slope = _piece(joint, k, h, relaxing, speed, before + base, mobility, world)
+    _, held, value, slope = _piece(joint, link, k, h, relaxing, speed, before + base, mobility, world)
     impulse: float = base + (value - speed) / mobility if held else value - slope * speed - before
     return impulse
 
 
 @compiled(cached=False)
-def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bool, world: int) -> bool:
-    """Assume the pieces that the solution points to, and return whether it was made with them."""
+def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool, world: int) -> bool:
+    """Assume the pieces that the solution points to, and return whether it was made with them.
+
+    Friction that several axes share stays as it is once it is `bounded`.
+    """
     laws, work, numbers = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    settled = True
+    settled = _share_friction(joint, link, h, relaxing, first, bounded, world)
     for k in range(6):
         if not laws >> k & 1:
             continue
@@ -216,7 +267,7 @@ def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bo
         before, rigid, base = work[link, AXIS_SPEED + k], mobility / _RIGID, work[link, LAW_BASE + k]
         speed, impulse = before + work[link, ACCEPTED_DELTA_SPEED + k], numbers[joint, JOINT_IMPULSE + k] + base
         line = mobility if first else rigid
-        code, held, value, slope = _piece(joint, k, h, relaxing, speed, impulse, line, world)
+        code, held, value, slope = _piece(joint, link, k, h, relaxing, speed, impulse, line, world)
         settled = settled and code == work[link, LAW_STATE + k]
         work[link, LAW_STATE + k] = code
         work[link, SLOPE + k] = 1.0 / rigid if held else slope

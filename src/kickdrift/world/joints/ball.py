@@ -29,7 +29,7 @@ class Ball(Record):
     drive : Drive, optional
         Pulls b back to its initial orientation, by the rotation vector.
     friction : float
-        Largest torque of dry friction about each axis, N m.
+        Largest torque of dry friction, about whatever axis, N m.
 
     Raises
     ------

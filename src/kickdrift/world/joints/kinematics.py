@@ -40,6 +40,7 @@ from kickdrift.world.joints.layout import (
     FRAME_B,
     GEARED,
     HINGE,
+    JOINT_FRICTION,
     JOINT_POSITION,
     LAWS,
     LENGTH,
@@ -186,12 +187,25 @@ def measure(joint: int, h: float, world: int) -> None:
             numbers[joint, JOINT_POSITION + k] = unwound(angle, expected_angle(joint, k, h, world))
         elif mode == VECTOR:
             put_vector(numbers, joint, JOINT_POSITION + 3, rotation_vector(relative))
+    laws = floats(world, JOINT_AXES)
     for k in range(6):
         if joints[joint, LAWS] >> k & 1:
-            laws = floats(world, JOINT_AXES)
             laws[6 * joint + k, MOBILITY] = mobility(joint, k, world)
             if k >= 3 and mode != SWING_TWIST:
                 numbers[joint, DRIVEN + k - 3] = numbers[joint, JOINT_POSITION + k] - laws[6 * joint + k, TARGET]
+    if shares_friction(joint, world):
+        most = max(max(laws[6 * joint + 3, MOBILITY], laws[6 * joint + 4, MOBILITY]), laws[6 * joint + 5, MOBILITY])
+        for k in range(3, 6):
+            laws[6 * joint + k, MOBILITY] = most
+
+
+@compiled(inline=True, cached=False)
+def shares_friction(joint: int, world: int) -> bool:
+    """Whether a joint has dry friction as strong about any axis, of which the size is bounded, as in a ball joint."""
+    joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
+    row = 6 * joint + 3
+    x, y, z = laws[row, JOINT_FRICTION], laws[row + 1, JOINT_FRICTION], laws[row + 2, JOINT_FRICTION]
+    return bool(joints[joint, ANGULAR] >= VECTOR and x > 0.0 and y == x and z == x)
 
 
 @compiled(cached=False)
