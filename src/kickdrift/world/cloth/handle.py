@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import direction, number, vector
 from kickdrift.world.body import Body
 from kickdrift.world.handle import Handle
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
+_FASTEST = 1e6  # m/s, of winds: their squares, and what follows from these, are finite
 
 
 class Cloth(Handle):
@@ -93,7 +95,10 @@ class Cloth(Handle):
 
     @wind.setter
     def wind(self, wind: ArrayLike) -> None:
-        self._cloths.set_numbers(self, "wind", vector("wind", wind, 3))
+        air = vector("wind", wind, 3)
+        if np.abs(air).max() > _FASTEST:
+            raise ArgumentError(f"wind={wind!r} is faster than {_FASTEST:g} m/s; give a slower one.")
+        self._cloths.set_numbers(self, "wind", air)
 
     @property
     def friction(self) -> float:
