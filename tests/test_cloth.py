@@ -429,6 +429,7 @@ SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
         (SQUARE, [[0, 1, 2]], "vertex 3 is in no triangle"),
         (SQUARE, [[0, 1, 2], [2, 0, 3], [0, 2, 1]], "share one edge"),
         (SQUARE, [[0, 1, 2], [0, 3, 2]], "opposite ways round"),
+        (SQUARE[:3], [[0, 1, 2], [0, 2, 1]], "triangles 0 and 1 have the same vertices"),
         ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "triangle 0 has no area"),
         ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "vertex 2 is at"),
         ([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]], "vertices of shape"),
@@ -478,6 +479,13 @@ def test_vertices_that_cannot_be_pinned(vertices):
     sheet = kd.World().add_cloth_grid((1.0, 1.0), (4, 4))
     with pytest.raises(kd.KickdriftError, match=r"vert(ex|ices)"):
         sheet.pin(vertices)
+
+
+def test_a_wind_too_fast_to_count_with_is_refused():
+    sheet = kd.World().add_cloth_grid((1.0, 1.0), (4, 4))
+    with pytest.raises(kd.KickdriftError, match="faster than 1e"):
+        sheet.wind = (0.0, 1e200, 0.0)
+    assert not sheet.wind.any()
 
 
 def test_cloths_of_other_worlds_are_refused():

@@ -6,6 +6,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 import kickdrift as kd
+from kickdrift.scenes.worlds.cloths import tear
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down
@@ -176,3 +177,11 @@ def test_what_is_written_to_disk_cannot_tear(tmp_path):
     assert sheet.tear_strain == 0.0
     with pytest.raises(kd.KickdriftError, match="tear_strain"):
         sheet.tear_strain = -1.0
+
+
+def test_a_run_in_which_a_sheet_tears_resumes_with_the_same_bits(tmp_path):
+    whole = tear(vertices=(9, 8)).run(0.4, 1 / 120)
+    before = tear(vertices=(9, 8)).run(0.25, 1 / 120, checkpoint=tmp_path / "run")
+    after = tear(vertices=(9, 8)).run(0.4, 1 / 120, checkpoint=tmp_path / "run")
+    assert before.particles.shape[1] > 72
+    assert np.array_equal(after.particles, whole.particles)

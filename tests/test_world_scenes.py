@@ -228,3 +228,43 @@ def test_a_pyramid_of_210_boxes_stands_for_a_minute():
     assert 1e-4 < moved.max() < 0.01
     assert 0.0 < overlap < 0.005
     assert np.abs(world.velocity).max() < 0.002
+
+
+def test_a_net_holds_what_falls_into_it():
+    world = worlds.net(vertices=13)
+    run(world, 1.5)
+    boxes = world.position[6:]
+    assert len(boxes) == 5
+    assert (boxes[:, 2] > 0.2).all()
+    assert (np.abs(boxes[:, :2]) < 1.0).all()
+
+
+def test_a_tablecloth_lies_on_the_table_until_it_is_pulled_off():
+    world = worlds.tablecloth(vertices=(24, 18))
+    cloth = world.cloth("tablecloth")
+    on_table = np.flatnonzero(np.hypot(*cloth.position[:, :2].T) < 0.3)
+    run(world, 1.4)
+    assert np.allclose(cloth.position[on_table, 2], 0.755, atol=0.004)
+    run(world, 1.6)
+    assert cloth.position[:, 0].min() > 0.6
+
+
+def test_rings_gather_a_curtain_and_spread_it():
+    world = worlds.curtain(pleats=2, per_pleat=6, rows=6)
+    cloth = world.cloth("curtain")
+    wide = np.ptp(cloth.position[:, 0])
+    run(world, 2.8)
+    assert np.ptp(world.position[3:, 0]) == pytest.approx(2 * 0.055, rel=0.1)  # of the rings
+    assert np.ptp(cloth.position[:, 0]) < 0.8 * wide
+    run(world, 3.2)
+    assert np.ptp(world.position[3:, 0]) == pytest.approx(wide, rel=0.05)
+
+
+def test_a_person_walks_and_keeps_the_cape_on():
+    world = worlds.cape(vertices=(8, 8))
+    cloth = world.cloth("cape")
+    run(world, 1.5)
+    x = world.position[2, 0]  # of the pelvis
+    assert x == pytest.approx(1.4 * 1.25, abs=0.15)
+    assert cloth.position[:, 0].max() < x + 0.3
+    assert np.linalg.norm(cloth.position - world.position[3], axis=1).max() < 1.8

@@ -48,15 +48,18 @@ from kickdrift.world.tables import (
 
 
 class Sort(NamedTuple):
-    """What functions of a sort are called, what they may name, with views of the tables, and what they have to write to.
+    """A kind of user function: a force or a wind.
 
     Attributes
     ----------
     name : str
+        For messages.
     arguments : mapping of str to str
+        Source code of the value of each argument that is allowed.
     outputs : tuple of str
+        Arguments of which a function must have at least one.
     rows : str
-        Whose rows these arrays have.
+        What a row of the arrays belongs to, for messages.
     """
 
     name: str
@@ -129,7 +132,7 @@ def put_numbers(tables: Tables, forces: Sequence[Force]) -> None:
 
 
 def force_of(function: Function, sort: Sort = FORCES) -> Force:
-    """Make a force, or a wind, from a user's function.
+    """Return the force or the wind of a user's function.
 
     Raises
     ------

@@ -106,16 +106,16 @@ class AppliesForces:
         self._keep_force(force_of(force))  # Ctrl-C need not wait for the compiler
 
     def add_wind(self, wind: Function) -> None:
-        """Let air move around cloths as a function of your own says, compiled into the step; it adds to that of `Cloth.wind`.
+        """Add a wind, as a Python function that is compiled into the step; it adds to `Cloth.wind` of every cloth.
 
-        `kickdrift.gusts` makes such a function of a gusting wind. Cloths that sleep are not woken by it.
+        `kickdrift.gusts` returns such a function, for a gusting wind. Sleeping cloths are not woken by it.
 
         Parameters
         ----------
         wind : callable
             Its argument names declare what it needs, in any order: `t`, s, `position`, m, and `velocity`, m/s, and `wind`,
-            m/s, to which it adds in place; arrays with one row per vertex of all cloths. What it gives has to depend on its
-            arguments alone. Numbers and arrays that it captures keep their present values.
+            m/s, to which it adds in place; arrays with one row per vertex of all cloths. The wind must depend on its
+            arguments only. Numbers and arrays that it captures keep their present values.
 
         Raises
         ------

@@ -171,7 +171,7 @@ class DoesSteps:
         return self._program
 
     def _breaks(self) -> bool:
-        """Take what a step has broken or torn out of the world; whether there was anything."""
+        """Remove joints that broke, tear cloths, and return whether there were any."""
         broken = self.joints.take_broken()
         self.broken += broken
         return self.cloths.tear() or bool(broken)

@@ -58,7 +58,13 @@ class World(
     ConservedQuantities,
     Tunable,
 ):
-    """Rigid bodies in three dimensions.
+    """Rigid bodies and cloth in three dimensions.
+
+    >>> import kickdrift as kd
+    >>> world = kd.World(gravity=(0, 0, -9.81))
+    >>> floor = world.add_plane(friction=0.6)
+    >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1.1), density=1000.0, restitution=0.8)
+    >>> recording = world.run(duration=2.0, step=1 / 60)
 
     Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and what touches them, form
     islands that are solved directly, with all of their joints and contacts at once; so are small heaps on which the sweeps
@@ -121,11 +127,8 @@ class World(
 
     Examples
     --------
-    >>> import kickdrift as kd
-    >>> world = kd.World(gravity=(0, 0, -9.81))
-    >>> floor = world.add_plane(friction=0.6)
-    >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1.1), density=1000.0, restitution=0.8)
-    >>> recording = world.run(duration=2.0, step=1 / 60)
+    Of the ball above:
+
     >>> recording.x.shape
     (121, 3, 3)
     >>> bool(ball.position[2] < 0.8)

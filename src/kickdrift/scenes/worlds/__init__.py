@@ -2,8 +2,9 @@
 
 from kickdrift.scenes.worlds.balls import bouncing_disk, newtons_cradle
 from kickdrift.scenes.worlds.chains import chain, joint_grid
-from kickdrift.scenes.worlds.cloths import drape, flag, trampoline
+from kickdrift.scenes.worlds.cloths import drape, flag, net, tear, trampoline
 from kickdrift.scenes.worlds.humanoids import add_person, humanoid, ragdolls
+from kickdrift.scenes.worlds.moved_cloths import cape, curtain, tablecloth
 from kickdrift.scenes.worlds.robots import arm, quadruped, two_link_arm
 from kickdrift.scenes.worlds.stacks import dominoes, pile, pyramid
 
@@ -11,17 +12,22 @@ __all__ = [
     "add_person",
     "arm",
     "bouncing_disk",
+    "cape",
     "chain",
+    "curtain",
     "dominoes",
     "drape",
     "flag",
     "humanoid",
     "joint_grid",
+    "net",
     "newtons_cradle",
     "pile",
     "pyramid",
     "quadruped",
     "ragdolls",
+    "tablecloth",
+    "tear",
     "trampoline",
     "two_link_arm",
 ]

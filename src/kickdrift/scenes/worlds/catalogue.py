@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 from kickdrift.scenes.worlds.balls import bouncing_disk, newtons_cradle
 from kickdrift.scenes.worlds.chains import chain, joint_grid
-from kickdrift.scenes.worlds.cloths import drape, flag, trampoline
+from kickdrift.scenes.worlds.cloths import drape, flag, net, tear, trampoline
 from kickdrift.scenes.worlds.humanoids import humanoid, ragdolls
+from kickdrift.scenes.worlds.moved_cloths import cape, curtain, tablecloth
 from kickdrift.scenes.worlds.robots import arm, quadruped, two_link_arm
 from kickdrift.scenes.worlds.stacks import dominoes, pile, pyramid
 from kickdrift.world.world import World
@@ -47,5 +48,11 @@ SCENES: dict[str, Scene] = {
     "quadruped": Scene(lambda: quadruped().world, 3.0, 1 / 200, "a robot stands on four legs"),
     "drape": Scene(drape, 3.0, 1 / 60, "a cloth falls over a ball"),
     "flag": Scene(flag, 4.0, 1 / 60, "a flag flutters in the wind"),
+    "gusts": Scene(lambda: flag(wind=8.0, gustiness=0.35), 6.0, 1 / 60, "a flag flutters in gusts"),
+    "curtain": Scene(curtain, 6.5, 1 / 60, "a pleated curtain is opened and closed"),
+    "tablecloth": Scene(tablecloth, 4.0, 1 / 60, "a tablecloth falls over a table, and is pulled off"),
+    "cape": Scene(cape, 5.0, 1 / 60, "a person walks with a cape"),
+    "net": Scene(net, 4.0, 1 / 60, "a net catches boxes"),
+    "tear": Scene(tear, 1.2, 1 / 120, "a ball tears through a sheet"),
     "trampoline": Scene(trampoline, 4.0, 1 / 60, "two balls jump on a trampoline"),
 }

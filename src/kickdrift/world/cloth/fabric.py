@@ -44,8 +44,8 @@ class Fabric:
     air_density : float
         kg/m^3.
     tear_strain : float
-        The largest strain around a vertex, in any direction, at which it comes apart there; zero if it does not tear. A strain
-        of one is twice the length.
+        Largest principal strain, averaged over the triangles around a vertex, above which the cloth tears there; zero if it
+        does not tear. A strain of one is twice the length.
 
     Raises
     ------

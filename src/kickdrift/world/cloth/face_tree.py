@@ -92,7 +92,7 @@ def _mark_pieces(
 
 
 def _joined(pairs: Integers, count: int) -> Integers:
-    """Return pairs, (P, 2), of so many nodes, and those that a third one joins; see `FaceTree`."""
+    """Return `FaceTree.neighbours` of `count` nodes, from the pairs that share edges, (P, 2)."""
     both = np.concatenate((pairs, pairs[:, ::-1]))
     both = both[np.lexsort((both[:, 1], both[:, 0]))]
     starts = np.searchsorted(both[:, 0], np.arange(count + 1))

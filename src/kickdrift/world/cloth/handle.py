@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import direction, number, vector
 from kickdrift.world.body import Body
 from kickdrift.world.handle import Handle
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
+_FASTEST = 1e6  # m/s, of winds: their squares, and what follows from these, are finite
 
 
 class Cloth(Handle):
@@ -93,7 +95,10 @@ class Cloth(Handle):
 
     @wind.setter
     def wind(self, wind: ArrayLike) -> None:
-        self._cloths.set_numbers(self, "wind", vector("wind", wind, 3))
+        air = vector("wind", wind, 3)
+        if np.abs(air).max() > _FASTEST:
+            raise ArgumentError(f"wind={wind!r} is faster than {_FASTEST:g} m/s; give a slower one.")
+        self._cloths.set_numbers(self, "wind", air)
 
     @property
     def friction(self) -> float:
@@ -106,7 +111,7 @@ class Cloth(Handle):
 
     @property
     def tear_strain(self) -> float:
-        """Strain at which it tears, 0.0 if it does not; may be given anew."""
+        """Strain above which it tears, 0.0 if it does not; can be set."""
         return float(self._cloths.numbers(self, "tear_strain")[0])
 
     @tear_strain.setter
@@ -114,20 +119,20 @@ class Cloth(Handle):
         self._cloths.set_numbers(self, "tear_strain", number("tear_strain", tear_strain, "1"))
 
     def cut(self, point: ArrayLike, normal: ArrayLike) -> int:
-        """Cut it along the edges of its triangles that are nearest to a plane: each triangle goes with the side of its middle.
+        """Cut it by a plane along edges: triangles whose centroids are on different sides are separated.
 
-        Vertices on the cut are split. Those that are new come after all others, with the velocities that these had, their
-        shares of the mass, and what they were pinned to; mass and momentum stay.
+        Vertices on the cut are split. The new ones are appended, with the velocities and pins of their originals and a share of
+        their mass; mass and momentum are conserved.
 
         Parameters
         ----------
         point, normal : (3,) array_like
-            A point of the plane, m, and a direction across it.
+            A point of the plane, m, and its normal, of any length.
 
         Returns
         -------
         int
-            How many vertices it has more.
+            Number of vertices added.
 
         Raises
         ------

@@ -71,7 +71,7 @@ BENDING_RATE = column(CLOTH_NUMBERS, 1, "1/s")
 REST_TIME = column(CLOTH_NUMBERS, 1, "s")  # of the first cloth: for how long all cloths have been at rest
 SKIN = column(CLOTH_NUMBERS, 1, "m")  # deviation of particles from their predicted paths up to which pairs remain valid
 
-TEAR_STRAIN = column(CLOTH_NUMBERS)  # 0.0: it does not tear
+TEAR_STRAIN = column(CLOTH_NUMBERS)  # 0.0 if it does not tear
 
 # PARTICLE
 column(PARTICLE, 3, "m")  # position

@@ -44,9 +44,9 @@ def cloth_mesh(vertices: ArrayLike, triangles: ArrayLike) -> ClothMesh:
     Raises
     ------
     ArgumentError
-        For numbers that are not finite, indices out of range, vertices without triangles, triangles without area or with
-        repeated corners, edges of three triangles, and adjacent triangles of opposite orientation; the message names the
-        vertex or the triangle.
+        For numbers that are not finite, indices out of range, vertices without triangles, triangles without area, with
+        repeated corners or with the same vertices, edges of three triangles, and adjacent triangles of opposite orientation;
+        the message names the vertex or the triangle.
     """
     points, faces = _vertices(vertices), _triangles(triangles)
     _check_corners(points, faces)
@@ -181,6 +181,12 @@ def _shared_edges(faces: Integers) -> tuple[Integers, Integers]:
         raise ArgumentError(
             f"triangles {first[k] % count} and {second[k] % count} are turned opposite ways round at their edge of vertices "
             f"{start[first[k]]} and {end[first[k]]}; let all of them be counter-clockwise seen from one side."
+        )
+    twins = np.flatnonzero(across[first] == across[second])
+    if twins.size:
+        k = twins[0]
+        raise ArgumentError(
+            f"triangles {first[k] % count} and {second[k] % count} have the same vertices, back to back; leave one of them out."
         )
     folds = np.stack((start[first], end[first], across[first], across[second]), axis=1)
     sides = np.full(3 * count, NONE, dtype=np.int64)

@@ -33,7 +33,7 @@ def remove_pins(tables: Tables, particles: Integers) -> None:
 
 
 def copy_pins(tables: Tables, pinned_as: Integers, particles: Integers) -> None:
-    """Pin particles, (K,), which are pinned to none, to the bodies that others are pinned to, (K,), at the same points."""
+    """Copy the pins of the particles `pinned_as`, (K,), to other particles, (K,), that have none."""
     pins, numbers = tables.array(PIN), tables.array(PIN_NUMBERS)
     which, row = np.nonzero(pinned_as[:, None] == pins[:, c.PINNED_PARTICLE])
     copied = pins[row].copy()

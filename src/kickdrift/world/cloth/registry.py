@@ -110,7 +110,7 @@ class Cloths:
 
     @undivided
     def tear(self) -> bool:
-        """Tear the cloths that are stretched too far; whether there were any."""
+        """Tear the cloths that are stretched too far, and return whether there were any."""
         torn = False
         for row, own in enumerate(self.tables.array(CLOTH)[:, c.IS_ASLEEP].tolist()):
             split = find_tears(self.tables, row) if own == 0 else None
@@ -126,7 +126,7 @@ class Cloths:
         return int(split.parents.size)
 
     def _changed(self) -> None:
-        """Let all be made ready anew that depends on which vertices there are, and wake."""
+        """Wake all, and have everything that depends on the vertices prepared again."""
         self._arranged, self._substep = -1, 0.0
         self._bodies.wake()
         self.wake()

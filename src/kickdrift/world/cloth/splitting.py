@@ -1,4 +1,4 @@
-"""Splitting vertices of a cloth, so that triangles come apart: where it is cut, and where it tears."""
+"""Splitting of vertices of a cloth, where it is cut or tears, so that triangles separate."""
 
 from typing import NamedTuple
 
@@ -30,30 +30,31 @@ Flags = NDArray[np.bool_]
 
 
 class Split(NamedTuple):
-    """A mesh in which vertices are split: its triangles, and from which vertices those are that it has more, (K,)."""
+    """The triangles of a mesh after vertices were split, (M, 3), and the original of each additional vertex, (K,)."""
 
     triangles: Integers
     parents: Integers
 
 
 def split_between(mesh: ClothMesh, sides: Integers) -> Split:
-    """Part triangles of different sides, (M,): where they share an edge, each gets its own."""
+    """Separate triangles on different sides, (M,), of a cut: an edge that two of them share is duplicated."""
     folds = mesh.sides.ravel() >= 0
     of = np.repeat(sides, 3)[folds][np.argsort(mesh.sides.ravel()[folds], kind="stable")].reshape(-1, 2)
     return _split(mesh, np.repeat((of[:, :1] != of[:, 1:]), 2, axis=1))
 
 
 def split_at(mesh: ClothMesh, vertices: Integers, normals: Floats, places: Floats) -> Split:
-    """Part the triangles around some vertices, no two of which share one, that lie on different sides of a plane through each.
+    """Separate the triangles around each of some vertices that lie on different sides of a plane through it.
 
     Parameters
     ----------
     mesh : ClothMesh
     vertices : (K,) array
+        No two of them belong to the same triangle.
     normals : (K, 3) array
-        Of the planes.
+        Normals of the planes.
     places : (N, 3) array
-        Where the vertices are, m.
+        Positions of all vertices, m.
     """
     of = np.full(len(mesh.vertices), -1)
     of[vertices] = np.arange(len(vertices))
@@ -63,7 +64,7 @@ def split_at(mesh: ClothMesh, vertices: Integers, normals: Floats, places: Float
     ahead = (np.einsum("mkj,mkj->mk", off, normals[plane]) > 0.0) & (plane >= 0)
     pairs = _corner_pairs(mesh)
     split = _split(mesh, ahead.ravel()[pairs[:, :, 0]] != ahead.ravel()[pairs[:, :, 1]])
-    # What is left with an end in common only comes apart, too.
+    # Triangles that are connected by a vertex only are separated, too.
     rest = mesh.vertices[np.concatenate((np.arange(len(mesh.vertices)), split.parents))]
     after = cloth_mesh(rest, split.triangles)
     touched = np.isin(split.triangles, np.concatenate((vertices, np.arange(len(mesh.vertices), len(rest))))).any(axis=1)
@@ -73,7 +74,7 @@ def split_at(mesh: ClothMesh, vertices: Integers, normals: Floats, places: Float
 
 
 def _corner_pairs(mesh: ClothMesh) -> Integers:
-    """Return for each fold the corners of its two triangles at its first end, and at its second, (K, 2, 2)."""
+    """Return the corners of the two triangles of each fold, (K, 2, 2): at its first end, and at its second."""
     face, side = np.nonzero(mesh.sides >= 0)
     start, end = 3 * face + side, 3 * face + (side + 1) % 3
     fold = mesh.sides[face, side]
@@ -84,9 +85,10 @@ def _corner_pairs(mesh: ClothMesh) -> Integers:
 
 
 def _split(mesh: ClothMesh, cut: Flags, vertices: Integers | None = None) -> Split:
-    """Part corners that no fold holds together; (K, 2) says which folds hold none at their two ends.
+    """Give the corners at a vertex that no fold connects different vertices.
 
-    Only those of vertices at such an end, or of the given ones.
+    `cut`, (K, 2), says which folds no longer connect corners at their two ends. Only the vertices at such ends are split, or
+    the given ones.
     """
     pairs, corners = _corner_pairs(mesh), mesh.triangles.ravel()
     held = pairs[~cut]
@@ -109,7 +111,7 @@ def _split(mesh: ClothMesh, cut: Flags, vertices: Integers | None = None) -> Spl
 
 
 def put_split(tables: Tables, row: int, split: Split) -> None:
-    """Give a cloth the vertices and triangles of a split: what parts has the velocities that it had, and shares its mass."""
+    """Replace the mesh of a cloth by a split one; new particles have the velocities of their originals and share their mass."""
     before = rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE)
     count, first = len(before), int(tables.array(CLOTH)[row, c.FIRST_PARTICLE])
     sources = np.concatenate((np.arange(count), split.parents))
@@ -130,7 +132,7 @@ def put_split(tables: Tables, row: int, split: Split) -> None:
 
 
 def cut_by_plane(tables: Tables, row: int, point: Floats, normal: Floats) -> Split:
-    """Part the triangles of a cloth whose middles are on different sides of a plane."""
+    """Separate the triangles of a cloth whose centroids are on different sides of a plane."""
     mesh, places = mesh_in(tables, row), rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE)[:, :3]
     middles = places[mesh.triangles].mean(axis=1)
     return split_between(mesh, ((middles - point) @ normal > 0.0).astype(np.int64))

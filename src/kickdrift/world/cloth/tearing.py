@@ -1,4 +1,4 @@
-"""Tearing: where cloth is stretched too far, it comes apart across the direction in which it is stretched most."""
+"""Tearing: cloth that is stretched too far splits perpendicular to the direction of largest strain."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ Integers = NDArray[np.int64]
 
 
 def principal_strains(tables: Tables, row: int) -> tuple[Floats, Floats]:
-    """Return the largest strain of each triangle of a cloth, (M,), and the direction that it has in space, (M, 3)."""
+    """Return the largest principal strain of each triangle of a cloth, (M,), and its direction in space, (M, 3)."""
     corners = rows_of(tables, row, c.FIRST_FACE, FACE)[:, c.CORNERS : c.CORNERS + 3]
     rest, x = rows_of(tables, row, c.FIRST_FACE, FACE_NUMBERS), tables.array(PARTICLE)[corners, :3]
     p, q = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
@@ -29,10 +29,10 @@ def principal_strains(tables: Tables, row: int) -> tuple[Floats, Floats]:
 
 
 def find_tears(tables: Tables, row: int) -> Split | None:
-    """Find the vertices of a cloth at which it tears, none if it does not.
+    """Return the mesh of a cloth split at the vertices where it tears, or None if there are none.
 
-    They are those around which triangles, weighted with their areas, have a strain above that at which it tears. Of
-    neighbours the one with the largest strain tears: the others are relieved by it.
+    A vertex tears if the mean strain of the triangles around it, weighted by area, exceeds `TEAR_STRAIN`. Of neighbouring
+    vertices only the one with the largest strain tears, which relieves the others.
     """
     limit = float(tables.array(CLOTH_NUMBERS)[row, c.TEAR_STRAIN])
     strain, along = principal_strains(tables, row)
@@ -59,7 +59,7 @@ def find_tears(tables: Tables, row: int) -> Split | None:
 
 
 def _apart(vertices: Integers, strain: Floats, corners: Integers) -> Integers:
-    """Return those of vertices, the most strained first, that have no triangle in common with one before."""
+    """Return the vertices, in order of decreasing strain, that share no triangle with one returned before."""
     taken = np.zeros(len(strain), dtype=bool)
     chosen = []
     for vertex in vertices[np.argsort(-strain[vertices], kind="stable")].tolist():

@@ -46,7 +46,7 @@ def membrane_rate(mesh: ClothMesh, axes: Floats, to_rest: Floats, stiffness: Flo
 
 
 def put_membrane_rate(tables: Tables, row: int, mesh: ClothMesh) -> None:
-    """Write the highest angular frequency of the membrane of a cloth, with the stiffness that was asked for."""
+    """Write the highest angular frequency of the membrane of a cloth with its nominal stiffness, rad/s."""
     rest, numbers = rows_of(tables, row, c.FIRST_FACE, FACE_NUMBERS), tables.array(CLOTH_NUMBERS)[row]
     to_rest, areas = rest[:, c.TO_REST : c.TO_REST + 4], rest[:, c.FACE_AREA]
     corners = mesh.vertices[mesh.triangles]

@@ -33,7 +33,7 @@ from kickdrift.world.tables import (
 
 @compiled
 def calm(t: float, h: float, world: int) -> None:
-    """Begin with no wind beside those that cloths have, to which users' functions add."""
+    """Set the winds of users' functions, which add to those of cloths, to zero."""
     blows = floats(world, PARTICLE_WIND)
     for i in range(rows(world, PARTICLE_WIND)):
         for k in range(3):

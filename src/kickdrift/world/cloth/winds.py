@@ -20,7 +20,7 @@ WINDS = Sort(
 
 
 def force_or_wind_of(function: Function) -> Force:
-    """Make of a user's function what it is by the names of its arguments.
+    """Return the wind of a user's function if it has an argument `wind`, and otherwise its force.
 
     Raises
     ------
