@@ -119,9 +119,13 @@ def test_a_run_that_ends_before_the_first_time_wanted_has_states_up_to_there():
     np.testing.assert_allclose(sol(times).x, np.cos(times), atol=1e-8)
 
 
-def test_the_force_evaluations_of_a_run_that_an_event_ends_depend_on_no_chunk(monkeypatch):
+@pytest.mark.parametrize("bound", [None, 3.0])
+def test_the_force_evaluations_of_a_run_that_an_event_ends_depend_on_no_chunk(bound, monkeypatch):
     """Chunks of steps are as long as the clock lets them be: here of 10 steps and of all, with 12 zeros after the end."""
-    stop, other = with_attributes(lambda x: x, terminal=3), with_attributes(lambda v: v)
+    stop, other = (
+        with_attributes(lambda x: x, terminal=3, rate_bound=bound),
+        with_attributes(lambda v: v, rate_bound=bound),
+    )
     counts = []
     for size in (10, 10_000):
         monkeypatch.setattr(run, "next_chunk", lambda *_, size=size: size)

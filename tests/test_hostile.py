@@ -6,7 +6,7 @@ from hostile import tried
 SHORT = {
     "fuzz_checkpoints": 40,
     "fuzz_world_files": 15,
-    "fuzz_interruptions": 51,
+    "fuzz_interruptions": 60,
     "fuzz_arguments": 600,
     "fuzz_cache": 2,
     "fuzz_operations": 20,

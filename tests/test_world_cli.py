@@ -30,7 +30,7 @@ def call(*arguments):
 
 
 def test_a_scene_is_run_reported_kept_drawn_and_filmed(folder):
-    result = call("run", "bouncing-disk", "--duration", 0.5)
+    result = call("run", "bouncing-disk", "--duration", 0.5, "--film")
     assert result.exit_code == cli.DONE, result.output
     output = folder / "kickdrift-output"
     assert {path.name for path in output.iterdir()} == {f"bouncing-disk.{end}" for end in ("npz", "png", "gif", "html")}
@@ -60,7 +60,7 @@ def test_options_choose_duration_step_and_folder(folder):
 def test_quiet_writes_files_only(folder):
     result = call("run", "bouncing-disk", "--duration", 0.1, "--quiet")
     assert (result.exit_code, result.output) == (cli.DONE, "")
-    assert len(list((folder / "kickdrift-output").iterdir())) == 4
+    assert len(list((folder / "kickdrift-output").iterdir())) == 3
 
 
 def test_compiling_is_announced_and_is_no_part_of_the_run(folder, monkeypatch):
@@ -78,7 +78,7 @@ def test_compiling_is_announced_and_is_no_part_of_the_run(folder, monkeypatch):
 
 def test_long_runs_are_filmed_faster(folder, monkeypatch):
     monkeypatch.setattr(scene, "_LONGEST_FILM", 0.2)
-    assert call("run", "bouncing-disk", "--duration", 0.8, "--quiet").exit_code == cli.DONE
+    assert call("run", "bouncing-disk", "--duration", 0.8, "--quiet", "--film").exit_code == cli.DONE
     with Image.open(folder / "kickdrift-output" / "bouncing-disk.gif") as film:
         assert film.n_frames == 6
 
@@ -98,7 +98,7 @@ def test_an_interrupted_scene_is_written_all_the_same(folder, monkeypatch):
     assert kept.status is kd.Outcome.INTERRUPTED
     assert 5 <= kept.n_steps < 100
     assert kept.message in result.stderr
-    assert len(list((folder / "kickdrift-output").iterdir())) == 4
+    assert len(list((folder / "kickdrift-output").iterdir())) == 3
 
 
 def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):
@@ -132,6 +132,7 @@ def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):
             ("run", "pyramid", "--method", "leapfrog"),
             "--method='leapfrog' applies to systems, and 'pyramid' is a scene",
         ),
+        (("run", "kepler", "--film"), "--film applies to scenes, and 'kepler' is none"),
         (("run", "pyramid", "--years", "1"), "--years='1' applies to systems"),
         (("run", "pyramid", "--bodies", "Sun"), "--bodies='Sun' applies to"),
         (("run", "pyramid", "--duration", "-1"), "--duration='-1' must be positive"),

@@ -3,9 +3,11 @@
 import copy
 import gc
 import pickle
+import signal
 
 import numpy as np
 import pytest
+from fuzz_interruptions import interrupted
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, LostBodyError
@@ -316,6 +318,29 @@ def test_a_name_is_free_again_once_its_body_or_joint_is_gone():
     again = world.add_sphere(0.1, name="ball")
     assert world.body("ball") == again != ball
     world.add_ball_joint(again, None, anchor=(0, 0, 0), name="joint")
+
+
+def test_a_name_is_the_old_or_the_new_one_wherever_ctrl_c_comes():
+    world = kd.World()
+    ball, lines = world.add_sphere(1.0), 0
+    for line in range(1, 1000):
+        ball.name = "old"
+        lines = interrupted(world, lambda world: setattr(ball, "name", "new"), line)
+        assert ball.name in ("old", "new")
+        assert world.body(ball.name) == ball
+        if line > lines:
+            break
+    assert ball.name == "new"
+
+
+@pytest.mark.parametrize(("setting", "value"), [("gravity", (0, 0, -1.0)), ("sleeping", False)])
+def test_all_wake_where_ctrl_c_comes_while_a_setting_changes(setting, value, monkeypatch):
+    world, woken = kd.World(), []
+    monkeypatch.setattr(world.bodies, "wake", lambda: (signal.raise_signal(signal.SIGINT), woken.append("bodies")))
+    monkeypatch.setattr(world.cloths, "wake", lambda: woken.append("cloths"))
+    with pytest.raises(KeyboardInterrupt):
+        setattr(world, setting, value)
+    assert woken == ["bodies", "cloths"]
 
 
 def test_names_are_in_snapshots_files_and_recordings(tmp_path):

@@ -11,7 +11,7 @@ import kickdrift
 from kickdrift.cli import BAD_INPUT, INTERRUPTED, help_texts
 from kickdrift.cli.output import say
 from kickdrift.cli.plan import Options, is_scene, make_plan
-from kickdrift.core.errors import KickdriftError
+from kickdrift.core.errors import ArgumentError, KickdriftError
 
 
 class _Commands(TyperGroup):
@@ -92,14 +92,19 @@ def run(
             help="Zarr folder, such as run.zarr, to which all states are written during the run, instead of the files."
         ),
     ] = None,
+    film: Annotated[bool, typer.Option("--film", help="Write an animation of a scene, too: <scene>.gif.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Write the files, and print errors only.")] = False,
 ) -> None:
-    """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.gif."""
+    """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.html."""
     options = Options(duration, years, step, method, bodies, save_every)
     if is_scene(target):
         from kickdrift.cli.scene import make_scene_plan, run_scene
 
-        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet, checkpoint, save_to))
+        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet, checkpoint, save_to, film))
+    if film:
+        raise ArgumentError(
+            f"--film applies to scenes, and {target!r} is none (see: kickdrift list scenes); leave it out."
+        )
     from kickdrift.cli.run import run as do
 
     raise typer.Exit(do(make_plan(target, options), output, quiet, checkpoint, save_to))

@@ -69,10 +69,10 @@ xarray reads them, and nothing else is written.
   kickdrift run solar-system --years 100000 --checkpoint millennia
   kickdrift run outer-solar-system --save-to planets.zarr --save-every 10
 
-Scenes are worlds of rigid bodies and cloth. A run of a scene also writes an animation, <scene>.gif, in real
-time, or faster if it would take more than 20 s; and with the extra viewer an interactive page for the browser,
-<scene>.html. Scenes take the options --duration, --step, --save-every, --output, --checkpoint, --save-to and --quiet;
-times are in seconds.
+Scenes are worlds of rigid bodies and cloth. With the extra viewer, a run of a scene also writes an interactive
+page for the browser, <scene>.html; with --film, an animation, <scene>.gif, in real time, or faster if it would take
+more than 20 s. Scenes take the options --duration, --step, --save-every, --output, --checkpoint, --save-to, --film and
+--quiet; times are in seconds.
 
 \b
   kickdrift run pyramid

@@ -57,9 +57,14 @@ def make_scene_plan(name: str, options: Options) -> ScenePlan:
 
 
 def run_scene(
-    plan: ScenePlan, folder: Path, quiet: bool, checkpoint: Path | None = None, save_to: Path | None = None
+    plan: ScenePlan,
+    folder: Path,
+    quiet: bool,
+    checkpoint: Path | None = None,
+    save_to: Path | None = None,
+    film: bool = False,
 ) -> int:
-    """Run a scene, write ``<scene>.npz``, ``.png``, ``.gif`` and ``.html`` into a folder, and return the exit code.
+    """Run a scene, write ``<scene>.npz``, ``.png``, ``.html`` and, on request, ``.gif`` into a folder; return the exit code.
 
     A run that ends early is still written and reported. One with a folder for checkpoints resumes from the last, and one
     whose rows go to disk writes nothing else.
@@ -82,14 +87,16 @@ def run_scene(
     finally:
         if not quiet:
             print(recording.report())
-    picture, film = (folder / f"{plan.name}.{ending}" for ending in ("png", "gif"))
     if not quiet:
         say("drawing ...")
-    recording.plot(picture)
-    _film(recording, film, quiet)
+    files = [kept, folder / f"{plan.name}.png"]
+    recording.plot(files[-1])
+    if film:
+        files.append(folder / f"{plan.name}.gif")
+        _film(recording, files[-1], quiet)
     page = _page(recording, folder / f"{plan.name}.html")
     if not quiet:
-        print(f"\nwritten: {kept}, {picture}, {film}")
+        print(f"\nwritten: {', '.join(map(str, files))}")
         print(f"open {page}" if page else "for an interactive page: pip install 'kickdrift[viewer]'")
     return _exit_code(recording)
 

@@ -104,6 +104,7 @@ class Watch:
         self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
         self._due: list[tuple[int, Brackets]] = []  # zeros that may end the run, of this look
         self._x, self._v = system.x0[None], system.v0[None]
+        self._spent: list[tuple[Floats, NDArray[np.int64]]] = []  # in the last look: starts of steps, and evaluations
         self._sign = 1.0  # of the steps
         self._beyond: float | None = None
 
@@ -116,7 +117,13 @@ class Watch:
         ]
         zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
         later = sum(zero.evaluations for zero in self._zeros) - sum(zero.evaluations for zero in zeros)  # sought again
+        later += self._spent_from(t, at_it=True)
         return Seen(zeros, tuple(waiting), self.evaluations - later, self._beyond if beyond is None else beyond)
+
+    def _spent_from(self, t: float, at_it: bool) -> int:
+        """Return the evaluations of the last look, but for those of searches, in steps that begin after a time, or at it."""
+        sign = self._sign
+        return sum(int(own[(sign * begin > sign * t) | (at_it & (begin == t))].sum()) for begin, own in self._spent)
 
     def go_on(self, seen: Seen, step: float, t: float, x: Floats, v: Floats) -> None:
         """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten.
@@ -129,6 +136,7 @@ class Watch:
 
     def look(self, t: Floats, xs: Floats, vs: Floats) -> Found:
         """Look at the steps between times, after each of which the loop has a state."""
+        self._spent = []
         xs, vs = self._processing.seen(t[1:], xs, vs)
         count, self._sign = t.size - 1, math.copysign(1.0, t[-1] - t[0])
         xs, vs = np.concatenate((self._x, xs)), np.concatenate((self._v, vs))
@@ -155,6 +163,10 @@ class Watch:
             near = 1e-9 * np.diff(t, prepend=t[0] - (t[1] - t[0]))
             before_it = int(np.searchsorted(self._sign * (t + near), self._sign * stop.t, side="left")) - 1
             steps = min(steps, max(before_it, 0))
+            last, sign = float(t[steps]), self._sign
+            self.evaluations -= self._spent_from(last, at_it=False)  # of steps that will not be
+            done = [sign * begin <= sign * last for begin, _ in self._spent]
+            self._spent = [(begin[k], own[k]) for k, (begin, own) in zip(done, self._spent, strict=True)]
         elif bad.size:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
             failure = f" {self.events[k].name}, returned NaN at t={float(t[bad[0]])!r}."
@@ -195,7 +207,8 @@ class Watch:
         if not steps.size:
             return None
         strikes, evaluations = strikes_at(steps, self._processing, t, xs, vs)
-        self.evaluations += evaluations
+        self.evaluations += int(evaluations.sum())
+        self._spent.append((t[steps], evaluations))
         return strikes
 
     def _strike(self, event: int, at: Strikes, steps: Brackets, after: Floats) -> None:
@@ -270,7 +283,8 @@ class Watch:
             if not left.t.size:
                 break
             middle = 0.5 * (left.begin + left.end)
-            value = self._ask(event, left, middle)[3]
+            *_, value, own = self._ask(event, left, middle)
+            self._spent.append((left.t, own))
             halves = left._replace(end=middle, last=value).joined(left._replace(begin=middle, first=value))
             found, left = found.joined(halves.part(self._crosses(event, halves))), halves.part(~changes(halves))
         return found

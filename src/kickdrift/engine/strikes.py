@@ -24,10 +24,10 @@ class Strikes(NamedTuple):
 
 def strikes_at(
     steps: NDArray[np.intp], processing: Processing, t: Floats, xs: Floats, vs: Floats
-) -> tuple[Strikes, int]:
+) -> tuple[Strikes, NDArray[np.int64]]:
     """Repeat the steps that end with impacts, up to these; return the force evaluations, too."""
     after, sizes, once = steps + 1, np.diff(t)[steps], np.ones(steps.size, dtype=np.int64)
     x, v, evaluations = processing.go_on(t[steps], sizes, once, xs[steps], vs[steps])
     others = np.ones(t.size - 1, dtype=bool)
     others[steps] = False
-    return Strikes(steps, others, t[after], x, v, xs[after], vs[after]), int(evaluations.sum())
+    return Strikes(steps, others, t[after], x, v, xs[after], vs[after]), evaluations

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from kickdrift.core.errors import ArgumentError, unknown_name
+from kickdrift.core.interruption import InterruptionNoted
 
 
 class Names:
@@ -40,9 +41,10 @@ class Names:
 
     def give(self, row: int, name: str | None) -> None:
         """Set the name of a row, already checked, or remove it."""
-        self._rows.pop(self._names.pop(row, ""), None)
-        if name is not None:
-            self._names[row], self._rows[name] = name, row
+        with InterruptionNoted(passed_on=True):
+            self._rows.pop(self._names.pop(row, ""), None)
+            if name is not None:
+                self._names[row], self._rows[name] = name, row
 
     def of(self, row: int) -> str | None:
         """Return the name of a row, or None."""

@@ -34,6 +34,7 @@ class Tunable:
         return acceleration
 
     @gravity.setter
+    @undivided
     def gravity(self, gravity: ArrayLike) -> None:
         self.tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3] = vector("gravity", gravity, 3)
         self.bodies.wake()
@@ -49,6 +50,7 @@ class Tunable:
         return int(self.tables.array(SETTINGS)[0, SUBSTEPS])
 
     @substeps.setter
+    @undivided
     def substeps(self, substeps: int) -> None:
         if isinstance(substeps, bool) or not (
             isinstance(substeps, int | np.integer) and 1 <= substeps <= MOST_SUBSTEPS
@@ -63,6 +65,7 @@ class Tunable:
         return self._sleeping
 
     @sleeping.setter
+    @undivided
     def sleeping(self, sleeping: bool) -> None:
         self._sleeping = choice("sleeping", sleeping)
         self.tables.altered = True

@@ -61,7 +61,8 @@ from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBER
 _RIGID = 1e6
 
 # How fast what is beyond a limit returns to it, m/s or rad/s: by a few hundredths of a radian in a substep, which joints can
-# follow. Limits are passed where they are set so, as by a robot whose knees are straight, which its joints do not allow.
+# follow. Limits are passed where they are set so, as by a robot whose knees are straight, which its joints do not allow. Along
+# lines it is the same number, whatever the size of the bodies: ropes may be wound up with it, and nothing keeps the speed.
 _RETURN = 5.0
 
 # What the direction of friction may be off by
