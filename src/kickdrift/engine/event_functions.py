@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import name_of
-from kickdrift.systems.system import Quantity
+from kickdrift.systems.system import Quantity, System
 
 
 class Event(NamedTuple):
@@ -57,3 +58,17 @@ def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -
     return Event(
         name, quantity(name, function), int(terminal), float(direction), None if bound is None else float(bound)
     )
+
+
+def check_path(events: tuple[Event, ...], system: System) -> None:
+    """Refuse events where the path is not known between two steps.
+
+    Raises
+    ------
+    ArgumentError
+        For Langevin dynamics.
+    """
+    if events and system.kind is Kind.LANGEVIN:
+        raise ArgumentError(
+            "events are given, but the path is stochastic, and not known between steps; leave them out."
+        )

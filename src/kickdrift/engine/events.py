@@ -11,22 +11,31 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError, KickdriftError
-from kickdrift.core.kinds import Kind
-from kickdrift.engine.event_functions import Event
+from kickdrift.core.errors import KickdriftError
+from kickdrift.engine.event_functions import Event, check_path
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.strikes import Strikes, strikes_at
 from kickdrift.engine.surface_events import Surfaces
-from kickdrift.engine.zeros import Brackets, Found, Seen, Zero, changes, find_changes, search, tolerance_of
+from kickdrift.engine.zeros import (
+    Brackets,
+    Found,
+    Seen,
+    Zero,
+    changes,
+    find_changes,
+    joined_by_event,
+    search,
+    spent_from,
+    tolerance_of,
+)
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
 _NUMBERS = 1 << 16  # of states that are kept until they are asked
-_MOST_ROWS = (
-    1 << 14
-)  # fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
+# fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
+_MOST_ROWS = 1 << 14
 # Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
 _HALVINGS = 8
 
@@ -49,20 +58,6 @@ def watch_for(
         return None
     check_path(events, system)
     return Watch(events, system, processing(), end, surfaces)
-
-
-def check_path(events: tuple[Event, ...], system: System) -> None:
-    """Refuse events where the path is not known between two steps.
-
-    Raises
-    ------
-    ArgumentError
-        For Langevin dynamics.
-    """
-    if events and system.kind is Kind.LANGEVIN:
-        raise ArgumentError(
-            "events are given, but the path is stochastic, and not known between steps; leave them out."
-        )
 
 
 class Watch:
@@ -113,17 +108,12 @@ class Watch:
         sign = self._sign
         waiting = [
             (k, brackets.part(sign * (brackets.t + 0.5 * brackets.size) < sign * t))
-            for k, brackets in _joined(self._waiting)
+            for k, brackets in joined_by_event(self._waiting)
         ]
         zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
         later = sum(zero.evaluations for zero in self._zeros) - sum(zero.evaluations for zero in zeros)  # sought again
-        later += self._spent_from(t, at_it=True)
+        later += spent_from(self._spent, t, sign, at_it=True)
         return Seen(zeros, tuple(waiting), self.evaluations - later, self._beyond if beyond is None else beyond)
-
-    def _spent_from(self, t: float, at_it: bool) -> int:
-        """Return the evaluations of the last look, but for those of searches, in steps that begin after a time, or at it."""
-        sign = self._sign
-        return sum(int(own[(sign * begin > sign * t) | (at_it & (begin == t))].sum()) for begin, own in self._spent)
 
     def go_on(self, seen: Seen, step: float, t: float, x: Floats, v: Floats) -> None:
         """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten.
@@ -164,9 +154,8 @@ class Watch:
             before_it = int(np.searchsorted(self._sign * (t + near), self._sign * stop.t, side="left")) - 1
             steps = min(steps, max(before_it, 0))
             last, sign = float(t[steps]), self._sign
-            self.evaluations -= self._spent_from(last, at_it=False)  # of steps that will not be
-            done = [sign * begin <= sign * last for begin, _ in self._spent]
-            self._spent = [(begin[k], own[k]) for k, (begin, own) in zip(done, self._spent, strict=True)]
+            self.evaluations -= spent_from(self._spent, last, sign, at_it=False)  # of steps that will not be
+            self._spent = [(b[k], own[k]) for b, own in self._spent for k in [sign * b <= sign * last]]
         elif bad.size:
             k = int(np.argmax(np.isnan([value[bad[0]] for value in values])))
             failure = f" {self.events[k].name}, returned NaN at t={float(t[bad[0]])!r}."
@@ -183,7 +172,7 @@ class Watch:
 
     def _search_due(self) -> None:
         """Search for zeros that may end the run, up to the first that does: what it costs depends on no chunk."""
-        sign, due, self._due = self._sign, _joined(self._due), []
+        sign, due, self._due = self._sign, joined_by_event(self._due), []
         while due:
             starts = []
             for k, brackets in due:
@@ -236,7 +225,7 @@ class Watch:
         Ctrl-C may have come after zeros were found, and before the run had noted the steps in which they are.
         """
         sign, found = self._sign, list(self._zeros)
-        for k, brackets in _joined(self._waiting):
+        for k, brackets in joined_by_event(self._waiting):
             found += self._search(k, brackets.part(sign * brackets.t <= sign * end))
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
@@ -309,9 +298,3 @@ class Watch:
         share = search(*brackets[4:], at, tolerance_of(brackets))
         t, x, v, _, own = self._ask(event, brackets, share)
         return [Zero(float(t[k]), event, x[k], v[k], int(taken[k] + own[k])) for k in range(t.size)]
-
-
-def _joined(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:
-    """Return the brackets of zeros that are not yet located, joined for each event."""
-    events = sorted({event for event, _ in brackets})
-    return [(k, Brackets.joined(*(own for event, own in brackets if event == k))) for k in events]

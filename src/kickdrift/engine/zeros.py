@@ -89,6 +89,17 @@ def changes(parts: Brackets) -> NDArray[np.bool_]:
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
 
 
+def joined_by_event(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:
+    """Return the brackets of zeros that are not yet located, joined for each event."""
+    events = sorted({event for event, _ in brackets})
+    return [(k, Brackets.joined(*(own for event, own in brackets if event == k))) for k in events]
+
+
+def spent_from(spent: list[tuple[Floats, NDArray[np.int64]]], t: float, sign: float, at_it: bool) -> int:
+    """Return the evaluations spent in steps that begin after a time, or at it."""
+    return sum(int(own[(sign * begin > sign * t) | (at_it & (begin == t))].sum()) for begin, own in spent)
+
+
 def tolerance_of(brackets: Brackets) -> Floats:
     """Return the accuracy with which zeros can be located, in steps."""
     return np.asarray(4.0 * np.spacing(np.abs(brackets.t) + np.abs(brackets.size)) / np.abs(brackets.size))

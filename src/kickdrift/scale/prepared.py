@@ -15,8 +15,7 @@ from kickdrift.engine import quantities
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.dense import check_between
-from kickdrift.engine.event_functions import Event, events_of
-from kickdrift.engine.events import check_path
+from kickdrift.engine.event_functions import Event, check_path, events_of
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.method_selection import Choice, check_direction, choose
 from kickdrift.engine.problem_adapter import Adapter
