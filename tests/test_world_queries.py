@@ -409,6 +409,43 @@ def test_a_world_answers_with_rows_and_handles():
     assert world.ray_cast((0, 0, 5), (0, 0, -1)).distance == pytest.approx(4.0, abs=0.01)
 
 
+def gap_to_triangle(corners, point):
+    """Distance of a point from a triangle: to its face, if it is above or below that, else to its sides."""
+    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    normal /= np.linalg.norm(normal)
+    sides = np.roll(corners, -1, axis=0) - corners
+    if (np.cross(sides, point - corners) @ normal >= 0.0).all():
+        return abs((point - corners[0]) @ normal)
+    share = np.clip(((point - corners) * sides).sum(axis=1) / (sides * sides).sum(axis=1), 0.0, 1.0)
+    return np.linalg.norm(point - corners - share[:, None] * sides, axis=1).min()
+
+
+def gap_to_box(corners, half):
+    """Largest separation of a triangle and a box of half edges around the origin along any axis that may separate them."""
+    sides = np.roll(corners, -1, axis=0) - corners
+    axes = np.concatenate((np.eye(3), np.cross(sides[:1], sides[1:2]), *(np.cross(axis, sides) for axis in np.eye(3))))
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    shadows, reach = corners @ axes.T, np.abs(axes) @ half
+    return max((shadows.min(axis=0) - reach).max(), (-shadows.max(axis=0) - reach).max())
+
+
+def test_overlaps_find_triangles_from_both_sides():
+    rng, hits = np.random.default_rng(4), 0
+    for _ in range(60):
+        corners, point, radius, half = (
+            rng.normal(size=(3, 3)),
+            rng.normal(size=3),
+            rng.uniform(0.1, 1.2),
+            rng.uniform(0.1, 1, 3),
+        )
+        world = World()
+        world.add_mesh(corners, [(0, 1, 2)])
+        assert (world.overlap_sphere(radius, point) != []) == (gap_to_triangle(corners, point) < radius)
+        assert (world.overlap_box(2 * half, point) != []) == (gap_to_box(corners - point, half) < 0.0)
+        hits += gap_to_triangle(corners, point) < radius
+    assert 10 < hits < 50
+
+
 def test_rays_and_overlaps_go_through_what_they_are_to_ignore():
     world = World()
     floor = world.add_plane()

@@ -39,7 +39,7 @@ from kickdrift.world.shapes.triangle import triangles_of
 from kickdrift.world.step_status import OK, STATUS
 from kickdrift.world.tuning import MOST_SUBSTEPS
 
-_OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "BODY")
+_OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "PREDICTED", "BODY")
 _STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING
 _SETTINGS = s.RESIDUAL  # columns before this one are settings
 

@@ -6,7 +6,7 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, cross, dot, minus, product, turned_back
 from kickdrift.world.collision.aabb import box_in_frame, reaches_under
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
@@ -14,7 +14,7 @@ from kickdrift.world.collision.narrow_phase import collide, shape_pose
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import SURFACE
-from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
+from kickdrift.world.shapes.triangle import ACTIVE_EDGES, TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
@@ -66,12 +66,29 @@ def overlaps(
         return _touch(own_kind, own, own_at, own_turn, kind, numbers, at, turn, functions[own_kind])
     first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
     hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), found)
+    towards, facing = turned_back(own_turn, minus(at, own_at)), carray(floats_on_stack(TRIANGLE_SIZE), (TRIANGLE_SIZE,))
     for k in range(hits):
         start = begin_of(begin, int(found[k]))
-        own = geometry[start : start + TRIANGLE_SIZE]
-        if _touch(TRIANGLE, own, own_at, own_turn, kind, numbers, at, turn, functions[TRIANGLE]):
+        _face(geometry[start : start + TRIANGLE_SIZE], towards, facing)
+        if _touch(TRIANGLE, facing, own_at, own_turn, kind, numbers, at, turn, functions[TRIANGLE]):
             return True
     return False
+
+
+@compiled
+def _face(triangle: Any, point: Vector, facing: Any) -> None:
+    """Write a triangle with its front towards a point and all edges active.
+
+    Contacts are only with the front of a triangle, and not with edges inside a mesh.
+    """
+    u = (triangle[0], triangle[1], triangle[2])
+    v, w = (triangle[3], triangle[4], triangle[5]), (triangle[6], triangle[7], triangle[8])
+    if dot(cross(minus(v, u), minus(w, u)), minus(point, u)) < 0.0:
+        v, w = w, v
+    for k in range(3):
+        facing[k], facing[3 + k], facing[6 + k] = u[k], v[k], w[k]
+    for k in range(ACTIVE_EDGES, TRIANGLE_SIZE):
+        facing[k] = 1.0
 
 
 @compiled
