@@ -57,7 +57,7 @@ class Scene(SpatialQueries):
 
     def body(self, kind, position, turn):
         row = len(self[t.POSE])
-        for table in (t.POSE, t.MOTION, t.BODY, t.FORCE, t.FORESEEN, t.INVERSE_MASS):
+        for table in (t.POSE, t.MOTION, t.BODY, t.FORCE, t.PREDICTED, t.INVERSE_MASS):
             self.tables.resize(table, row + 1)
         self[t.POSE][row, :3], self[t.POSE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
         self[t.BODY][row, :2] = kind, kind != STATIC
