@@ -63,7 +63,7 @@ class Scene:
 
     def body(self, kind=DYNAMIC, position=(0, 0, 0), turn=(1, 0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0)):
         row = len(self[t.POSE])
-        for table in (t.POSE, t.MOTION, t.BODY, t.FORCE, t.FORESEEN, t.INVERSE_MASS):
+        for table in (t.POSE, t.MOTION, t.BODY, t.FORCE, t.PREDICTED, t.INVERSE_MASS):
             self.tables.resize(table, row + 1)
         self[t.POSE][row, :3], self[t.POSE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
         self[t.MOTION][row, :3], self[t.MOTION][row, 3:6] = velocity, spin

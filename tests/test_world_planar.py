@@ -89,3 +89,11 @@ def test_joints_along_which_nothing_moves_in_the_plane_are_refused():
     with pytest.raises(ArgumentError, match=r"length=0\.5 is too short"):
         world.add_rope(None, ball, anchor_a=(1, 1, 0), anchor_b=(0, 0, 0), length=0.5)
     world.add_slider(None, ball, anchor=(0, 0, 0), axis=(1, 0, 1))
+
+
+def test_springs_between_different_depths_are_refused_in_a_plane():
+    world = World(plane_normal=(0, 1, 0))
+    ball = world.add_sphere(0.1, position=(1, 0, 0))
+    with pytest.raises(ArgumentError, match="at the same depth"):
+        world.add_spring(None, ball, anchor_a=(0, 1, 0), anchor_b=(1, 0, 0), hertz=2.0)
+    world.add_spring(None, ball, anchor_a=(0, 0, 0), anchor_b=(1, 0, 0), hertz=2.0)

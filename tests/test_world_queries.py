@@ -57,7 +57,7 @@ class Scene(SpatialQueries):
 
     def body(self, kind, position, turn):
         row = len(self[t.POSE])
-        for table in (t.POSE, t.MOTION, t.BODY, t.FORCE, t.FORESEEN, t.INVERSE_MASS):
+        for table in (t.POSE, t.MOTION, t.BODY, t.FORCE, t.PREDICTED, t.INVERSE_MASS):
             self.tables.resize(table, row + 1)
         self[t.POSE][row, :3], self[t.POSE][row, 3:7] = position, np.divide(turn, np.linalg.norm(turn))
         self[t.BODY][row, :2] = kind, kind != STATIC
@@ -252,12 +252,22 @@ def test_shapes_are_found_before_the_first_step_and_after_they_are_gone():
     assert scene.ray_cast((3, 0, 0), (-1, 0, 0)).shape == ball
 
 
+def facing(triangle, point):
+    """A triangle with its front towards a point, and active edges: without these, contacts are on one side of a mesh."""
+    corners = np.reshape(triangle[:9], (3, 3))
+    if np.cross(corners[1] - corners[0], corners[2] - corners[0]) @ (point - corners[0]) < 0.0:
+        corners = corners[[0, 2, 1]]
+    return np.concatenate((corners.ravel(), np.ones(3)))
+
+
 def touches(scene, kind, numbers, position, turn):
     """Rows of the shapes that overlap one, of all shapes."""
     found = []
     for shape, row in enumerate(scene[t.SHAPE]):
         at, own = scene.pose(shape)
         for own_kind, own_numbers in scene.numbers(shape):
+            if own_kind == TRIANGLE:
+                own_numbers = facing(own_numbers, own.T @ (position - at))
             a, b = (own_kind, own, at, own_numbers), (kind, matrix(turn), position, numbers)
             a, b = (a, b) if own_kind <= kind else (b, a)
             relative = np.concatenate((a[1].T @ (b[2] - a[2]), quaternion(a[1].T @ b[1])))

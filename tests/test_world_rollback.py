@@ -104,6 +104,19 @@ def test_an_attempt_that_is_rolled_back_leaves_no_trace(fill, settings):
     assert braked == (fill is jointed)
 
 
+@pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")
+def test_a_braked_chain_in_a_file_goes_on_with_the_same_bits(tmp_path):
+    world = kd.World()
+    jointed(world)
+    while not world.tables.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3].any():
+        world.step(STEP)
+        assert world.time < 5.0
+    again = kd.load_world(world.save(tmp_path / "world.npz"))
+    for one in (world, again):
+        one.advance(STEP, 3)
+    assert state(world) == state(again)
+
+
 def boxed(speed, **settings):
     """A heavy ball that strikes light ones at a speed, between walls."""
     world = kd.World((0, 0, 0), **settings)

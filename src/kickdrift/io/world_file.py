@@ -18,7 +18,7 @@ from kickdrift.world.arguments import vector
 from kickdrift.world.cloth.layout import CLOTH_GENERATION
 from kickdrift.world.cloth.winds import force_or_wind_of
 from kickdrift.world.integrity import check
-from kickdrift.world.joints.layout import GENERATION, JOINT_KIND
+from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND
 from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, REMOVED, SEARCH_STATE, SHAPE_KIND
@@ -26,7 +26,7 @@ from kickdrift.world.layout import GENERATION as BODY_GENERATION
 from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.snapshot import TABLES, Snapshot, kept
-from kickdrift.world.tables import BODY, CLOTH, JOINT, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
+from kickdrift.world.tables import BODY, CLOTH, JOINT, JOINT_NUMBERS, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
 from kickdrift.world.world import World
 
 _KIND, _TABLE = "kickdrift world ", "table "
@@ -167,12 +167,13 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
     shapes = ShapeRows(of)
     _place_shapes(shapes, head, arrays)
     check(kept(of))
-    linked = of.array(LINK_NUMBERS).copy()
+    linked, brakes = of.array(LINK_NUMBERS).copy(), of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3].copy()
     if head["joints_arranged"]:
         arrange(of)
         if len(linked) < of.count(LINK_NUMBERS):
             raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are joints")
         of.array(LINK_NUMBERS)[:] = linked[: of.count(LINK_NUMBERS)]
+        of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3] = brakes
     bodies, joints = of.array(BODY), of.array(JOINT)
     gone = np.flatnonzero(bodies[:, BODY_KIND] == REMOVED)
     return Snapshot(

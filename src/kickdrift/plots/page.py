@@ -64,7 +64,7 @@ def one_panel(width: float, height: float, title: str, ax: "Axes | None") -> tup
         figure = new_figure(width, height, title)
         return figure, figure.add_subplot()
     check_axes(ax)
-    return ax.figure, ax  # type: ignore[return-value]  # or a part of a figure, as far as drawing goes
+    return ax.figure.figure, ax  # the whole figure, also if that is in a part of one
 
 
 def check_axes(ax: Any) -> None:
@@ -74,7 +74,9 @@ def check_axes(ax: Any) -> None:
     ------
     ArgumentError
     """
-    if not callable(getattr(ax, "plot", None)) or not hasattr(ax, "figure"):
+    from matplotlib.axes import Axes
+
+    if not isinstance(ax, Axes):
         raise ArgumentError(
             f"ax={ax!r} is no Axes of matplotlib; give one, such as that of figure, ax = plt.subplots()."
         )

@@ -170,7 +170,8 @@ class ClothMesh:
 
     def __init__(self, scene: Any, cloth: DrawnCloth, number: int, state: State) -> None:
         self._rows = slice(cloth.first, cloth.last)
-        self._grain = _FINE_CLOTH * float(np.ptp(state.particles[self._rows], axis=0).max())
+        extent = float(np.ptp(state.particles[self._rows], axis=0).max())
+        self._grain = _FINE_CLOTH * (extent if extent > 0.0 else 1.0)  # NaN of a cloth that is added later
         self._shown = self._at(state)
         colour = tuple(np.round(255 * colour_of(number + 1)).astype(int).tolist())
         self._handle = scene.add_mesh_simple(
@@ -193,7 +194,7 @@ class ClothMesh:
         self._handle.remove()
 
     def _at(self, state: State) -> Singles:
-        return rounded(state.particles[self._rows], self._grain)
+        return rounded(np.nan_to_num(state.particles[self._rows]), self._grain)
 
 
 def batches_of(

@@ -126,7 +126,7 @@ def begin_forces(t: float, h: float, world: int) -> None:
 
 def put_numbers(tables: Tables, forces: Sequence[Force]) -> None:
     """Write the captured numbers of all forces, then of winds, after a row that holds the offset to those of the next stage."""
-    ordered = sorted(forces, key=lambda force: force.sort is not FORCES)
+    ordered = sorted(forces, key=lambda force: force.sort != FORCES)
     numbers = np.concatenate([np.ones(1), *(force.numbers for force in ordered)])
     tables.put(FORCE_NUMBERS, numbers[:, None])
 

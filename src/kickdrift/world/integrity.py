@@ -208,5 +208,5 @@ def _check_settings(rows: Rows) -> None:
     rows.within("SETTINGS", s.SUBSTEPS, 1, MOST_SUBSTEPS)
     rows.holds("SETTINGS", s.SUBSTEPS, rows["SETTINGS"][0, s.SUBSTEPS] % 1.0 == 0.0)
     rows.holds("SETTINGS", s.MARGIN, rows["SETTINGS"][0, [s.MARGIN, s.SLOP]] > 0.0)
-    for column in (s.UNSOLVED_BODY, s.FAST_BODY):
+    for column in (s.UNSOLVED_BODY, s.FAST_BODY, s.MISSED_BODY):
         rows.within("SETTINGS", column, 0, len(rows["BODY"]) - 1)

@@ -66,7 +66,8 @@ class RecordedCloths:
         return np.concatenate(sources)
 
     def put(self, columns: Floats) -> None:
-        """Write where the vertices are that there are."""
+        """Write the positions of the vertices of all cloths, NaN of those that have been removed."""
+        columns[:] = np.nan
         for row, generation in enumerate(self._generations()):
             cloth = self._drawn[generation]
             columns[cloth.first : cloth.last] = rows_of(self._world.tables, row, c.FIRST_PARTICLE, PARTICLE)[:, :3]

@@ -121,8 +121,8 @@ class DoesSteps:
         fast, direct = self.tables.array(SETTINGS)[0, [settings.HAS_FAST, settings.HAS_DIRECT]].astype(bool).tolist()
         return word(
             Uses(
-                forces=tuple(force.stage for force in self.forces if force.sort is FORCES),
-                winds=tuple(force.stage for force in self.forces if force.sort is WINDS),
+                forces=tuple(force.stage for force in self.forces if force.sort == FORCES),
+                winds=tuple(force.stage for force in self.forces if force.sort == WINDS),
                 bounces=self.shape_rows.bouncing,
                 is_fast=fast,
                 direct=direct,

@@ -75,7 +75,7 @@ class StreamedRecordingRows(RecordingRows):
         """
         if len(self._world.position) > self._bodies or self._cloths.changed() is not None:
             raise ArgumentError(
-                f"a body or a cloth was added while rows of {self._bodies} bodies are written to"
+                f"a body or a cloth was added, or a cloth cut, while rows of {self._bodies} bodies are written to"
                 f" save_to={self.saved_to!r}; add it before the recording, or record into memory."
             )
         super().keep(t)

@@ -25,7 +25,7 @@ def principal_strains(tables: Tables, row: int) -> tuple[Floats, Floats]:
     strain = np.sqrt(0.5 * (uu + vv) + np.hypot(half, uv)) - 1.0
     angle = 0.5 * np.arctan2(uv, half)[:, None]
     along = np.cos(angle) * u + np.sin(angle) * v
-    return strain, along / (1.0 + strain)[:, None]
+    return strain, along / np.maximum(1.0 + strain, 1e-300)[:, None]
 
 
 def find_tears(tables: Tables, row: int) -> Split | None:

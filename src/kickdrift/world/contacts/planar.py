@@ -44,6 +44,11 @@ def flatten_contact(raw: Any, plane: Vector) -> None:
         _put(raw, r.SOFTNESS, _RIGID)
     elif cosine < _FLOOR:  # round shapes that pass each other
         raw[r.COUNT * _W] = 0.0
+        for field in range(r.IMPULSE, r.IMPULSE + 4):
+            raw[field * _W] = 0.0
+        for field in range(r.FRICTION_IMPULSE, r.TWISTED + 1):
+            raw[field * _W] = 0.0
+        _put(raw, r.ROLLED, (0.0, 0.0, 0.0))
     else:
         raw[r.FRICTION * _W] /= cosine
         raw[r.RESISTANCE * _W] /= cosine

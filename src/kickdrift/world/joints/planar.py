@@ -17,7 +17,7 @@ _OBLIQUE = 1e-6  # square of the sine of an angle up to which directions are the
 def within_plane(placement: Placement, tables: Tables) -> Placement:
     """Return what a joint is in the plane that the bodies of a world move in, if they do.
 
-    Points that a line connects keep their distance across the plane, so that it is the one within that counts.
+    Points connected by a rod or a rope keep their distance across the plane, so that the one within it counts.
 
     Raises
     ------
@@ -49,6 +49,11 @@ def _flattened(placement: Placement, normal: NDArray[np.float64]) -> Placement:
         raise ArgumentError(
             f"anchor_a and anchor_b lie one above the other, along plane_normal={_numbers(normal)}, so that the line between"
             " them has no direction in the plane; give two points of which that is not so."
+        )
+    if any(axis.drive is not None for axis in placement.linear) and abs(deep) > _OBLIQUE * distance:
+        raise ArgumentError(
+            f"the ends of the spring are {abs(deep):.6g} m apart along plane_normal={_numbers(normal)}, but its law holds for"
+            " its whole length; give anchors at the same depth."
         )
     if not length > abs(deep):
         raise ArgumentError(
