@@ -104,7 +104,7 @@ class World(
     plane_normal : (3,) array_like, optional
         Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. They feel of
         walls that are oblique to the plane the normal within it, and the friction of a wedge in its groove; what is nearly
-        parallel to the plane is a floor, on which they slide with friction. Ropes, rods and springs keep the depths of
+        parallel to the plane is a floor, on which they slide with friction. Ropes and rods keep the depths of
         their ends.
 
     Attributes
