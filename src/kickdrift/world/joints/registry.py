@@ -148,7 +148,7 @@ class Joints:
         found = read_law(self.tables, joint.index, k, part)
         return getattr(Axis(**{part: found}).reversed(), part) if joint.sign(k) < 0.0 else found
 
-    @undivided
+    @alone
     def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
         """Replace the limits, the motor, the drive or the friction of an axis, given as in an `Axis`, and wake the bodies.
 
@@ -161,11 +161,12 @@ class Joints:
         check_changeable(self.tables, row, k, part)
         if joint.sign(k) < 0.0:
             what = getattr(Axis(**{part: what}).reversed(), part)
+        joint.wake()  # first: Ctrl-C leaves no changed law on bodies that sleep
         numbers = self.tables.row(JOINT, row)
-        before = numbers.item(LAWS)
+        before, arranged = numbers.item(LAWS), self.arranged
+        self.arranged = False  # also if Ctrl-C comes now
         write_law(self.tables, row, k, part, what)
-        self.arranged = self.arranged and before == numbers.item(LAWS)
-        joint.wake()
+        self.arranged = arranged and before == numbers.item(LAWS)
 
     @undivided
     def remove(self, joint: Joint) -> None:
