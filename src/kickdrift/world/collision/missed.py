@@ -6,14 +6,22 @@ move. What was found once stays found, so that each time more is known. What is 
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, plus, product, turned
+from kickdrift.core.vectors import Vector, minus, plus, product, turned
 from kickdrift.world.collision.aabb import box_around, box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.predicted_path import POSITION_ERROR, TURN_ERROR, drop_path, note_path, prediction_error
+from kickdrift.world.collision.predicted_path import (
+    LEAST,
+    MOST,
+    POSITION_ERROR,
+    TURN_ERROR,
+    drop_path,
+    note_path,
+    turn_error,
+)
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -46,7 +54,16 @@ from kickdrift.world.layout import (
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
-from kickdrift.world.step_status import BEGIN_AGAIN, MISSES_CONTACT, OK, STATUS, WARNING, ask_for_room
+from kickdrift.world.step_status import (
+    BEGIN_AGAIN,
+    DO_IN_PARTS,
+    HALVINGS,
+    MISSES_CONTACT,
+    OK,
+    STATUS,
+    WARNING,
+    ask_for_room,
+)
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
@@ -64,6 +81,7 @@ from kickdrift.world.tables import (
     SHAPE,
     STATIC_TREE,
     STEP_STATUS,
+    SWEPT,
     TREE,
     TRIANGLE_TREE,
     Table,
@@ -74,7 +92,8 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_MOST = 8  # times that a step is done again
+_TRIES = 3  # times that a step, or a part of one, is repeated before it is halved
+_HALVINGS = 10  # of a step, at most
 
 
 @compiled
@@ -90,17 +109,20 @@ def find_missed(t: float, h: float, world: int) -> None:
     missed = _find_body(world)
     if missed < 0:
         return
-    if search[0, TRIES] == _MOST:
-        if status[0, WARNING] & MISSES_CONTACT == 0:
-            settings[0, MISSED_BODY], settings[0, MISSED_TIME] = missed, t
-            status[0, WARNING] |= MISSES_CONTACT
-        return
-    for body in range(rows(world, BODY)):
-        if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0 or floats(world, PREDICTED)[body, TURN_ERROR] > 0.0:
-            note_path(h, world, body)
-    search[0, TRIES] += 1
-    if status[0, STATUS] == OK:
-        status[0, STATUS] = BEGIN_AGAIN
+    if search[0, TRIES] < _TRIES:
+        for body in range(rows(world, BODY)):
+            if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0 or floats(world, PREDICTED)[body, TURN_ERROR] > 0.0:
+                note_path(h, world, body)
+        search[0, TRIES] += 1
+        if status[0, STATUS] == OK:
+            status[0, STATUS] = BEGIN_AGAIN
+    elif status[0, HALVINGS] < _HALVINGS:
+        drop_paths(t, h, world)
+        if status[0, STATUS] == OK:
+            status[0, STATUS] = DO_IN_PARTS
+    elif status[0, WARNING] & MISSES_CONTACT == 0:
+        settings[0, MISSED_BODY], settings[0, MISSED_TIME] = missed, t
+        status[0, WARNING] |= MISSES_CONTACT
 
 
 @compiled
@@ -117,10 +139,10 @@ def _find_errors(h: float, world: int) -> bool:
     body, predicted, found = integers(world, BODY), floats(world, PREDICTED), False
     margin = floats(world, SETTINGS)[0, MARGIN]
     for row in range(rows(world, BODY)):
-        predicted[row, POSITION_ERROR], predicted[row, TURN_ERROR] = 0.0, 0.0
+        predicted[row, TURN_ERROR] = 0.0
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
-        off, farther = prediction_error(h, world, row)
+        off, farther = predicted[row, POSITION_ERROR], turn_error(h, world, row)
         # What differs by less may be its rounding, or the bend of its path.
         predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
         predicted[row, TURN_ERROR] = farther
@@ -182,7 +204,7 @@ def _may_meet(world: int, a: int, part: int, b: int) -> bool:
 
 @compiled
 def _swept(world: int, shape: int) -> Box:
-    """Return the box around where a shape was at the start of the step and where it is now."""
+    """Return the box around where a shape was at the start of the step, where it is now, and where its body was meanwhile."""
     place, placed = floats(world, PLACE), floats(world, PLACED)
     body = integers(world, SHAPE)[shape, BODY_ROW]
     box = _moved(
@@ -195,7 +217,13 @@ def _swept(world: int, shape: int) -> Box:
     q = quaternion_at(pose, body, ORIENTATION)
     at = plus(vector_at(pose, body, POSITION), turned(q, vector_at(place, shape, PLACE_POSITION)))
     own = extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION)))
-    return box_around(box, _moved(own, at))
+    box = box_around(box, _moved(own, at))
+    if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0:
+        swept, about = floats(world, SWEPT), minus(at, vector_at(pose, body, POSITION))
+        own = _moved(own, about)
+        box = box_around(box, _moved(own, vector_at(swept, body, LEAST)))
+        box = box_around(box, _moved(own, vector_at(swept, body, MOST)))
+    return box
 
 
 @compiled(inline=True)

@@ -27,7 +27,7 @@ from kickdrift.core.vectors import (
 from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, radius, smallest
-from kickdrift.world.collision.predicted_path import fastest_turn, next_change, path, velocity_then
+from kickdrift.world.collision.predicted_path import fastest_turn, has_change, next_change, path, velocity_then
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -115,8 +115,11 @@ def _advance(world: int, row: int, way: float) -> None:
     # What acts on them, other contacts too, may lead to where nothing is met that would be without.
     if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
-    if when > 0.0:
+    if when > 0.0 and contact[row, POINTS] != 0:
         _bring_back(world, row, when)
+        # On a path with a corner shapes may come to a face from behind it: its plane would hold them back at once.
+        if (has_change(world, a) or has_change(world, b)) and _gap_at_start(world, row) < -near:
+            contact[row, POINTS] = 0
 
 
 @compiled(inline=True)
@@ -205,6 +208,15 @@ def _bring_back(world: int, row: int, when: float) -> None:
     _put(manifold, row, FOUND_POSE, turned_back(frame_a, minus(at_b, at_a)))
     for k in range(4):
         manifold[row, FOUND_POSE + 3 + k] = turn[k]
+
+
+@compiled
+def _gap_at_start(world: int, row: int) -> float:
+    """Smallest gap of the points of a contact at the start of the step."""
+    manifold = floats(world, MANIFOLD)
+    at, turn = vector_at(manifold, row, FOUND_POSE), quaternion_at(manifold, row, FOUND_POSE + 3)
+    gap, _ = _deepest(world, row, at, turn)
+    return gap
 
 
 @compiled(inline=True)

@@ -49,7 +49,7 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_ROUNDS = 100
+_ROUNDS = 1000
 _FAR = 1e10  # m, as a gap, and rad, as a turn in REFERENCE: it has the arms of a contact recomputed
 _MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
