@@ -27,7 +27,7 @@ from kickdrift.core.vectors import (
 from kickdrift.world.collision.acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, radius, smallest
-from kickdrift.world.collision.predicted_path import fastest_turn, has_change, next_change, path, velocity_then
+from kickdrift.world.collision.predicted_path import fastest_turn, next_change, path, velocity_then
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -88,8 +88,8 @@ def _advance(world: int, row: int, way: float) -> None:
     place = floats(world, PLACE)
     # Nearer than this they touch; what passes at a greater distance is not hit.
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
-    step, pushed = settings[0, STEP], closing_acceleration(world, row)
-    when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
+    step, pushed, closing = settings[0, STEP], closing_acceleration(world, row), 0.0
+    when, gap, before, on_surface = 0.0, 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
@@ -111,14 +111,18 @@ def _advance(world: int, row: int, way: float) -> None:
         until = next_change(world, b, when, next_change(world, a, when, step))
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
-        when = min(when + left, until)
+        before, when = when, min(when + left, until)
+    if closing < 0.0 and when > before and contact[row, POINTS] != 0:  # they have passed: back to where they still approached
+        when = before
+        at, turn, _ = _relative(world, row, when)
+        find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
     # What acts on them, other contacts too, may lead to where nothing is met that would be without.
     if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
     if when > 0.0 and contact[row, POINTS] != 0:
         _bring_back(world, row, when)
-        # On a path with a corner shapes may come to a face from behind it: its plane would hold them back at once.
-        if (has_change(world, a) or has_change(world, b)) and _gap_at_start(world, row) < -near:
+        # The plane of a face to which shapes come from behind it would hold them back at once.
+        if _gap_at_start(world, row) < -near - spin * when:
             contact[row, POINTS] = 0
 
 
