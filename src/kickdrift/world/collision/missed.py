@@ -20,6 +20,7 @@ from kickdrift.world.collision.predicted_path import (
     TURN_ERROR,
     drop_path,
     note_path,
+    path_error,
     turn_error,
 )
 from kickdrift.world.collision.search_state import TRIES
@@ -142,7 +143,7 @@ def _find_errors(h: float, world: int) -> bool:
         predicted[row, TURN_ERROR] = 0.0
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
-        off, farther = predicted[row, POSITION_ERROR], turn_error(h, world, row)
+        off, farther = path_error(world, row), turn_error(h, world, row)
         # What differs by less may be its rounding, or the bend of its path.
         predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
         predicted[row, TURN_ERROR] = farther

@@ -152,18 +152,34 @@ def note_position(world: int, body: int) -> None:
 @compiled
 def _off_path(world: int, body: int, at: Vector) -> float:
     """Distance of a position from the path on which a body was expected; what is stopped is on it."""
-    predicted, step = floats(world, PREDICTED), floats(world, SETTINGS)[0, STEP]
-    start, gained = vector_at(floats(world, STARTED_POSE), body, 0), acceleration(world, body)
-    v, change = vector_at(floats(world, STARTED_MOTION), body, 0), step
+    before, after = _corners(world, body)
+    off = _distance(at, vector_at(floats(world, STARTED_POSE), body, 0), before)
     if has_change(world, body):
-        change = predicted[body, CHANGE_TIME]
-    corner = plus(start, plus(times(change, v), times(0.5 * change * change, gained)))
-    off = _distance(at, start, corner)
-    if has_change(world, body):
-        back, end = change - step, vector_at(predicted, body, END_POSE)
-        after = plus(times(back, vector_at(predicted, body, END_MOTION)), times(0.5 * back * back, gained))
-        off = min(off, _distance(at, plus(end, after), end))
+        off = min(off, _distance(at, after, vector_at(floats(world, PREDICTED), body, END_POSE)))
     return off
+
+
+@compiled
+def _corners(world: int, body: int) -> tuple[Vector, Vector]:
+    """Return where the first part of a path ends, and where the second one begins."""
+    predicted, change = floats(world, PREDICTED), floats(world, SETTINGS)[0, STEP]
+    start, gained = vector_at(floats(world, STARTED_POSE), body, 0), acceleration(world, body)
+    back = 0.0
+    if has_change(world, body):
+        change, back = predicted[body, CHANGE_TIME], predicted[body, CHANGE_TIME] - change
+    way = plus(times(change, vector_at(floats(world, STARTED_MOTION), body, 0)), times(0.5 * change * change, gained))
+    left = plus(times(back, vector_at(predicted, body, END_MOTION)), times(0.5 * back * back, gained))
+    return plus(start, way), plus(vector_at(predicted, body, END_POSE), left)
+
+
+@compiled
+def path_error(world: int, body: int) -> float:
+    """Return how far a body was from its path; if that has a jump, the body was somewhere else meanwhile."""
+    error: float = floats(world, PREDICTED)[body, POSITION_ERROR]
+    if has_change(world, body):
+        before, after = _corners(world, body)
+        error = max(error, length(minus(after, before)))
+    return error
 
 
 @compiled
