@@ -51,6 +51,7 @@ from kickdrift.world.layout import (
     PLACED_POSITION,
     POSITION,
     RADIUS,
+    STATIC,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
@@ -95,6 +96,7 @@ from kickdrift.world.tables import (
 
 _TRIES = 3  # times that a step, or a part of one, is repeated before it is halved
 _HALVINGS = 10  # of a step, at most
+_PUSHED_OUT = 0.25  # of the radius around the smaller of two shapes: half of what is half of a ball, and most of what is half of a cube
 
 
 @compiled
@@ -172,7 +174,7 @@ def _find_body(world: int) -> int:
             margin, 0.5 * place[shape, RADIUS]
         ):
             continue
-        box, known = _swept(world, shape), True
+        box, known = _swept(world, shape, 0.0), True
         for j in range(3):
             known = known and bounds[shape, j] <= box[j] and box[3 + j] <= bounds[shape, 3 + j]
         if not known and _meets_unknown(world, shape, box):
@@ -193,31 +195,39 @@ def _off(world: int, shape: int) -> float:
 
 @compiled
 def _may_meet(world: int, a: int, part: int, b: int) -> bool:
-    """Whether the boxes that two shapes have swept overlap; the first may be a plane, or a mesh of which one part counts."""
-    box, sort = _swept(world, b), sort_of(world, a)
+    """Whether one shape may have come deep into another; the first may be a plane, or a mesh of which one part counts."""
+    sort, depth = sort_of(world, a), _shallow(world, a, b)
     if sort == HALF_SPACE:
-        return reaches_under(world, a, box)
+        return reaches_under(world, a, _swept(world, b, depth))
     if sort == SURFACE:
         own = triangle_box(flat(world, GEOMETRY), integers(world, SHAPE)[a, BEGIN], part)
-        return boxes_overlap(own, box_in_frame(world, a, box))
-    return boxes_overlap(_swept(world, a), box)
+        return boxes_overlap(own, box_in_frame(world, a, _swept(world, b, depth)))
+    place = floats(world, PLACE)
+    if place[a, RADIUS] < place[b, RADIUS]:
+        a, b = b, a
+    return boxes_overlap(_swept(world, a, 0.0), _swept(world, b, depth))
+
+
+@compiled(inline=True)
+def _shallow(world: int, a: int, b: int) -> float:
+    """Return how deep a shape may come into another one and be pushed out again to where it came from, m."""
+    place = floats(world, PLACE)
+    return _PUSHED_OUT * smallest(place[a, RADIUS], place[b, RADIUS])
 
 
 @compiled
-def _swept(world: int, shape: int) -> Box:
-    """Return the box around where a shape was at the start of the step, where it is now, and where its body was meanwhile."""
+def _swept(world: int, shape: int, depth: float) -> Box:
+    """Return the box around where a shape was at the start of the step, is now, and has been meanwhile, less its outer layer."""
     place, placed = floats(world, PLACE), floats(world, PLACED)
     body = integers(world, SHAPE)[shape, BODY_ROW]
-    box = _moved(
-        extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)),
-        vector_at(placed, shape, PLACED_POSITION),
-    )
-    if integers(world, BODY)[body, BODY_KIND] != DYNAMIC:
+    own = _shrunk(extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)), depth)
+    box = _moved(own, vector_at(placed, shape, PLACED_POSITION))
+    if integers(world, BODY)[body, BODY_KIND] == STATIC:
         return box
     pose = floats(world, POSE)
     q = quaternion_at(pose, body, ORIENTATION)
     at = plus(vector_at(pose, body, POSITION), turned(q, vector_at(place, shape, PLACE_POSITION)))
-    own = extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION)))
+    own = _shrunk(extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))), depth)
     box = box_around(box, _moved(own, at))
     if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0:
         swept, about = floats(world, SWEPT), minus(at, vector_at(pose, body, POSITION))
@@ -225,6 +235,14 @@ def _swept(world: int, shape: int) -> Box:
         box = box_around(box, _moved(own, vector_at(swept, body, LEAST)))
         box = box_around(box, _moved(own, vector_at(swept, body, MOST)))
     return box
+
+
+@compiled(inline=True)
+def _shrunk(box: Box, depth: float) -> Box:
+    """Take an outer layer off a box, of a quarter of each side at most."""
+    x, y = min(depth, 0.25 * (box[3] - box[0])), min(depth, 0.25 * (box[4] - box[1]))
+    z = min(depth, 0.25 * (box[5] - box[2]))
+    return (box[0] + x, box[1] + y, box[2] + z, box[3] - x, box[4] - y, box[5] - z)
 
 
 @compiled(inline=True)
@@ -238,7 +256,9 @@ def _meets_unknown(world: int, shape: int, box: Box) -> bool:
     planes, fat = integers(world, PLANES), fat_bounds(world, shape)
     for k in range(rows(world, PLANES)):
         plane = planes[k, 0]
-        if may_touch(world, shape, plane) and reaches_under(world, plane, box) and not reaches_under(world, plane, fat):
+        if not may_touch(world, shape, plane) or reaches_under(world, plane, fat):
+            continue
+        if reaches_under(world, plane, box) and _may_meet(world, plane, 0, shape):
             return True
     return _meets_unknown_in(world, STATIC_TREE, shape, box) or _meets_unknown_in(world, TREE, shape, box)
 
@@ -259,8 +279,9 @@ def _meets_unknown_in(world: int, tree: Table, shape: int, box: Box) -> bool:
             ]
             count, _ = gather(nodes, box_in_frame(world, other, box), parts)
             for j in range(count):
-                if not boxes_overlap(triangle_box(flat(world, GEOMETRY), shapes[other, BEGIN], int(parts[j])), known):
+                own = triangle_box(flat(world, GEOMETRY), shapes[other, BEGIN], int(parts[j]))
+                if not boxes_overlap(own, known) and _may_meet(world, other, int(parts[j]), shape):
                     return True
-        elif not boxes_overlap(fat, fat_bounds(world, other)) and boxes_overlap(box, _swept(world, other)):
+        elif not boxes_overlap(fat, fat_bounds(world, other)) and _may_meet(world, other, 0, shape):
             return True
     return False
