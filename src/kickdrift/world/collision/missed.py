@@ -5,8 +5,10 @@ them may have met a shape of which the step had no points, the step is done agai
 move. What was found once stays found, so that each time more is known. What is missed after the last attempt is said.
 """
 
+import math
+
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, minus, plus, product, turned
+from kickdrift.core.vectors import Vector, length, minus, plus, product, turned
 from kickdrift.world.collision.aabb import box_around, box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
@@ -94,9 +96,9 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_TRIES = 3  # times that a step, or a part of one, is repeated before it is halved
+_TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
 _HALVINGS = 10  # of a step, at most
-_PUSHED_OUT = 0.25  # of the radius around the smaller of two shapes: half of what is half of a ball, and most of what is half of a cube
+_PUSHED_OUT = 0.25  # of the radius around the smaller of two shapes: how deep it may come and be pushed out to where it was
 
 
 @compiled
@@ -112,10 +114,7 @@ def find_missed(t: float, h: float, world: int) -> None:
     missed = _find_body(world)
     if missed < 0:
         return
-    if search[0, TRIES] < _TRIES:
-        for body in range(rows(world, BODY)):
-            if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0 or floats(world, PREDICTED)[body, TURN_ERROR] > 0.0:
-                note_path(h, world, body)
+    if search[0, TRIES] < _TRIES and _note_paths(h, world):
         search[0, TRIES] += 1
         if status[0, STATUS] == OK:
             status[0, STATUS] = BEGIN_AGAIN
@@ -126,6 +125,16 @@ def find_missed(t: float, h: float, world: int) -> None:
     elif status[0, WARNING] & MISSES_CONTACT == 0:
         settings[0, MISSED_BODY], settings[0, MISSED_TIME] = missed, t
         status[0, WARNING] |= MISSES_CONTACT
+
+
+@compiled
+def _note_paths(h: float, world: int) -> bool:
+    """Note how bodies have moved that were not where they were expected; return whether any has not moved as before."""
+    predicted, news = floats(world, PREDICTED), False
+    for body in range(rows(world, BODY)):
+        if predicted[body, POSITION_ERROR] > 0.0 or predicted[body, TURN_ERROR] > 0.0:
+            news = note_path(h, world, body) or news
+    return news
 
 
 @compiled
@@ -189,8 +198,20 @@ def _off(world: int, shape: int) -> float:
     predicted, body = floats(world, PREDICTED), integers(world, SHAPE)[shape, BODY_ROW]
     off: float = predicted[body, POSITION_ERROR]
     if predicted[body, TURN_ERROR] > 0.0:
-        off += predicted[body, TURN_ERROR] * reach(floats(world, PLACE), shape)
+        far = reach(floats(world, PLACE), shape)
+        off += min(predicted[body, TURN_ERROR] * far, far - _inner_radius(world, shape))
     return off
+
+
+@compiled
+def _inner_radius(world: int, shape: int) -> float:
+    """Return the radius of a ball about the centre of mass of its body in a shape that is about as wide as high, m; or zero."""
+    if length(vector_at(floats(world, PLACE), shape, PLACE_POSITION)) > 0.0:
+        return 0.0
+    box, inner = extent_of(world, shape, (1.0, 0.0, 0.0, 0.0)), math.inf
+    for k in range(3):
+        inner = min(inner, min(-box[k], box[3 + k]))
+    return max(inner, 0.0)
 
 
 @compiled
