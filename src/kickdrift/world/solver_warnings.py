@@ -7,6 +7,8 @@ from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.direct.energy_losses import LONG_TURN
 from kickdrift.world.settings import (
+    BOUNCING_BODY,
+    BOUNCING_TIME,
     FAST_BODY,
     FAST_LOSS,
     FAST_TIME,
@@ -18,7 +20,7 @@ from kickdrift.world.settings import (
     UNSOLVED_BODY,
     UNSOLVED_SINCE,
 )
-from kickdrift.world.step_status import LEFT_UNSOLVED, MISSES_CONTACT, SAID, TURNS_TOO_FAST
+from kickdrift.world.step_status import LEFT_BOUNCING, LEFT_UNSOLVED, MISSES_CONTACT, SAID, TURNS_TOO_FAST
 from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 
 
@@ -29,7 +31,7 @@ def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
     compiled code does not return for it again; the world keeps it as well, since restoring a snapshot resets the tables.
     """
     tables.array(STEP_STATUS)[0, SAID] = found | said
-    for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast), (MISSES_CONTACT, _missed)):
+    for bit, sentence in _SENTENCES.items():
         if found & ~said & bit:
             warnings.warn(sentence(tables, bodies), UnsolvedWarning, stacklevel=depth_of_caller())
 
@@ -52,6 +54,16 @@ def _missed(tables: Tables, bodies: Bodies) -> str:
     )
 
 
+def _bouncing(tables: Tables, bodies: Bodies) -> str:
+    """Return the message of LEFT_BOUNCING."""
+    row = tables.array(SETTINGS)[0]
+    return (
+        f"{bodies.words(int(row[BOUNCING_BODY]))} and what it touches hit each other so often in the substep from"
+        f" t={row[BOUNCING_TIME]:.4g} s that not all of these impacts were resolved. Use a smaller step than {row[STEP]:.3g} s, a"
+        " smaller restitution, or masses that differ less."
+    )
+
+
 def _too_fast(tables: Tables, bodies: Bodies) -> str:
     """Return the message of TURNS_TOO_FAST."""
     row = tables.array(SETTINGS)[0]
@@ -69,3 +81,11 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
         f"{why}: they {change} of the energy of their bodies in the step to t={end:.4g} s. Set world.substeps"
         f" = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
     )
+
+
+_SENTENCES = {
+    LEFT_UNSOLVED: _unsolved,
+    TURNS_TOO_FAST: _too_fast,
+    MISSES_CONTACT: _missed,
+    LEFT_BOUNCING: _bouncing,
+}

@@ -7,7 +7,8 @@ loop that runs the stages checks the status after each.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
-from kickdrift.world.tables import STEP_STATUS, Table, integers
+from kickdrift.world.settings import BOUNCING_BODY, BOUNCING_TIME
+from kickdrift.world.tables import SETTINGS, STEP_STATUS, Table, floats, integers
 
 # Columns
 STATUS = column(STEP_STATUS)
@@ -25,6 +26,7 @@ HALVINGS = column(STEP_STATUS)  # how often the step was halved: it is done in 2
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
 TURNS_TOO_FAST = 2  # joints have lost or gained energy, as bodies turn too far in a substep
 MISSES_CONTACT = 4  # a body may have passed what it met in a step, however often that was done again
+LEFT_BOUNCING = 8  # impacts of a substep have not been resolved, or their impulses have not converged
 
 # Values of STATUS
 OK = 0
@@ -60,3 +62,12 @@ def report_cloth(world: int, cloth: int) -> None:
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, LOST_BODY] = LOST_CLOTH, cloth
+
+
+@compiled(inline=True)
+def warn_of_impacts(world: int, body: int, t: float) -> None:
+    """Note that the impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
+    row, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
+    if row[0, WARNING] & LEFT_BOUNCING == 0:
+        settings[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
+        row[0, WARNING] |= LEFT_BOUNCING

@@ -31,7 +31,7 @@ from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step_status import ask_for_room, warn_of_impacts
 from kickdrift.world.tables import (
     BOUNCING,
     COLOURS,
@@ -50,6 +50,7 @@ from kickdrift.world.tables import (
 )
 
 _ROUNDS = 1000
+_APART = 300  # of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times
 _FAR = 1e10  # m, as a gap, and rad, as a turn in REFERENCE: it has the arms of a contact recomputed
 _MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
@@ -124,18 +125,22 @@ def bounce(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts within the substep."""
     if rows(world, BOUNCING) == 0:
         return
-    for _ in range(_ROUNDS):
-        fastest = _find_round(h, world)
+    converged, body = True, 0
+    for n in range(_ROUNDS):
+        fastest, together = _find_round(h, world), n >= _APART
         if fastest == 0.0:
-            return
+            break
+        if together:
+            _join_touching(world)
         impact = floats(world, IMPACT)
+        _, body = _bodies(world, 0)
         for hit in range(rows(world, IMPACT)):
             a, b = _bodies(world, hit)
             move_to_impact(h, world, a)
             move_to_impact(h, world, b)
         for hit in range(rows(world, IMPACT)):
-            meet(world, impact[hit], _NOISE * fastest)
-        find_impulses(world)
+            meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
+        converged = find_impulses(world) and converged
         for hit in range(rows(world, IMPACT)):
             a, b = _bodies(world, hit)
             leave_impact(h, world, a)
@@ -146,6 +151,45 @@ def bounce(t: float, h: float, world: int) -> None:
                 _hide_from_sweeps(own, k)
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
+    else:
+        converged = False
+    if not converged:
+        warn_of_impacts(world, body, t)
+
+
+@compiled
+def _join_touching(world: int) -> None:
+    """Make the impacts of a round inelastic, and solve them together with the contacts that have hit before in the substep.
+
+    A light body between heavy ones that approach each other is hit infinitely often in a finite time, unless e is 1: that ends
+    as if all were hit at once.
+    """
+    impact, contact, kicked = floats(world, IMPACT), integers(world, CONTACT), floats(world, KICKED)
+    bouncing, count, known = integers(world, BOUNCING), rows(world, IMPACT), 0
+    for hit in range(count):
+        impact[hit, BOUNCE] = 0.0
+    while known < count:
+        known = count
+        for k in range(rows(world, BOUNCING)):
+            row = bouncing[k, 0]
+            if constraint(world, row)[c.REFERENCE * c.WIDTH] != _FAR:
+                continue
+            own_a, own_b, joins, when = contact[row, c.BODY_A], contact[row, c.BODY_B], False, 0.0
+            for hit in range(count):
+                a, b = _bodies(world, hit)
+                shared = (is_moved(world, own_a) and own_a in (a, b)) or (is_moved(world, own_b) and own_b in (a, b))
+                if shared and not joins:
+                    joins, when = True, impact[hit, TIME]
+                if int(impact[hit, ROW]) == row:
+                    joins = False
+                    break
+            if joins:
+                impact[count, ROW], impact[count, BOUNCE], impact[count, TIME], impact[count, SPEED] = row, 0.0, when, 0.0
+                for j in range(4):
+                    impact[count, TIMES + j] = when
+                kicked[own_a, NEXT_IMPACT] = kicked[own_b, NEXT_IMPACT] = when
+                count += 1
+    set_rows(world, IMPACT, count)
 
 
 @compiled(inline=True)

@@ -19,6 +19,7 @@ from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, t
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
+from kickdrift.world.step_status import warn_of_impacts
 from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, PLACE, floats, integers, rows
 
 _ROUNDS = 30
@@ -43,6 +44,9 @@ def bounce_islands(t: float, h: float, world: int) -> None:
                 if kinetic_energy(island, MOTION, world) > most:  # no solution: nothing bounces
                     take_back_velocities(island, world)
                     break
+        else:
+            contact = row_of(integers(world, ISLAND_CONTACT)[integers(world, ISLAND)[island, FIRST_CONTACT], 0], world)
+            warn_of_impacts(world, integers(world, CONTACT)[contact, c.BODY_B], t)
 
 
 @compiled(cached=False)
