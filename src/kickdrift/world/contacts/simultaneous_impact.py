@@ -48,10 +48,6 @@ POINTS = column(IMPACT, 4 * POINT_SIZE)
 TIMES = column(IMPACT, 4, "s")  # when the points hit
 NORMAL = column(IMPACT, 3)
 TANGENT = column(IMPACT, 3)  # the first
-_SWEEPS = 400
-_PLAIN = 100  # sweeps that suffice nearly always; of those that follow, on light bodies between heavy ones, each goes farther
-_OVER = 1.95  # so much: successive over-relaxation, at its best for a mass ratio of 1600
-_ROUGH = 1e-6  # of the largest impulse: what still changes it by more after the last sweep has not converged
 _BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
 _TOLERANCE = 1e-15  # of the largest impulse
 
@@ -140,10 +136,10 @@ def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vect
 
 
 @compiled
-def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bool, relaxed: float) -> float:
+def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bool) -> float:
     """Sweep over the points of a contact that hit, and return the largest change of an impulse, N s.
 
-    Changes are `relaxed` times those after which a point is solved. Their target velocity is zero, or, if `thrown`, that after restitution. Impulses stay above -`least` times the plastic ones.
+    Their target velocity is zero, or, if `thrown`, that after restitution. Impulses stay above -`least` times the plastic ones.
     Points with a plastic impulse of zero are included only if `stopping` or `thrown`.
     """
     row, contact, inverse_mass = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
@@ -160,7 +156,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
         response = inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]
         response += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
         missing = (point[WANTED] if thrown else 0.0) - _speed(world, a, b, normal, point)
-        d = max(point[IMPULSE] + relaxed * missing / response, -least * point[PLASTIC]) - point[IMPULSE]
+        d = max(point[IMPULSE] + missing / response, -least * point[PLASTIC]) - point[IMPULSE]
         point[IMPULSE] += d
         _push(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
         largest = max(largest, abs(d))
@@ -204,62 +200,55 @@ def pushed(hit: Any) -> float:
 
 
 @compiled
-def find_impulses(world: int) -> bool:
-    """Find and apply the impulses of a round; return whether they have converged."""
+def find_impulses(world: int, sweeps: int) -> float:
+    """Find and apply the impulses of a round, in so many sweeps at most; return how far they are from converged, N s."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     scale, largest = 0.0, 0.0
-    for n in range(_SWEEPS):
+    for _ in range(sweeps):
         largest = 0.0
         for hit in range(count):
-            largest = max(largest, _sweep_points(world, impact[hit], True, 0.0, False, _relaxed(n)))
+            largest = max(largest, _sweep_points(world, impact[hit], True, 0.0, False))
             scale = max(scale, pushed(impact[hit]))
         if largest <= _TOLERANCE * scale:
             break
-    converged = largest <= _ROUGH * scale
-    rough = False
+    left, rough = largest, False
     for hit in range(count):
         for k in range(4):
             p = POINTS + POINT_SIZE * k
             impact[hit, p + PLASTIC] = impact[hit, p + IMPULSE] if impact[hit, p + PLASTIC] >= 0.0 else -1.0
         rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
     if rough:
-        found = True
         for _ in range(_BOUNDS):
-            found = _find_friction(world, scale)
-        converged = converged and found
+            largest = _find_friction(world, scale, sweeps)
+        left = max(left, largest)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
-    for n in range(_SWEEPS):
+    for _ in range(sweeps):
         largest = 0.0
         for hit in range(count):
-            largest = max(largest, _sweep_points(world, impact[hit], False, 0.0, True, _relaxed(n)))
+            largest = max(largest, _sweep_points(world, impact[hit], False, 0.0, True))
         if largest <= _TOLERANCE * scale:
             break
-    return converged and largest <= _ROUGH * scale
-
-
-@compiled(inline=True)
-def _relaxed(sweep: int) -> float:
-    return 1.0 if sweep < _PLAIN else _OVER
+    return max(left, largest)
 
 
 @compiled
-def _find_friction(world: int, scale: float) -> bool:
-    """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
+def _find_friction(world: int, scale: float, sweeps: int) -> float:
+    """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero; return what is left."""
     impact, count, largest = floats(world, IMPACT), rows(world, IMPACT), 0.0
     for hit in range(count):
         total = pushed(impact[hit])
         for k in range(4):
             total += impact[hit, BOUNCE] * max(impact[hit, POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
-    for _ in range(_SWEEPS):
+    for _ in range(sweeps):
         largest = 0.0
         for hit in range(count):
             largest = max(largest, _sweep_friction(world, impact[hit]))
-            largest = max(largest, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False, 1.0))
+            largest = max(largest, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
         if largest <= _TOLERANCE * scale:
             break
-    return largest <= _ROUGH * scale
+    return largest
 
 
 @compiled
