@@ -76,8 +76,13 @@ def counts(monkeypatch):
 
 @pytest.mark.parametrize(
     ("kind", "seed", "ratio", "speed"),
-    [("boxes", 0, 1000.0, 30.0), ("boxes", 6, 10.0, 40.0), ("mesh", 5, 1000.0, 30.0), ("mesh", 8, 3.0, 51.0)]
-    + [("planes", 10, 1000.0, 60.0)],
+    [
+        ("boxes", 0, 1000.0, 30.0),
+        ("boxes", 6, 10.0, 40.0),
+        ("mesh", 5, 1000.0, 30.0),
+        ("mesh", 8, 3.0, 51.0),
+        ("planes", 10, 1000.0, 60.0),
+    ],
 )
 def test_no_ball_of_a_hot_gas_leaves_its_box(kind, seed, ratio, speed):
     world, balls = gas(seed, kind, ratio, speed)

@@ -59,8 +59,8 @@ def _bouncing(tables: Tables, bodies: Bodies) -> str:
     row = tables.array(SETTINGS)[0]
     return (
         f"{bodies.words(int(row[BOUNCING_BODY]))} and what it touches hit each other so often in the substep from"
-        f" t={row[BOUNCING_TIME]:.4g} s that not all of these impacts were resolved. Use a smaller step than {row[STEP]:.3g} s, a"
-        " smaller restitution, or masses that differ less."
+        f" t={row[BOUNCING_TIME]:.4g} s that not all of these impacts were resolved. Use a smaller step than {row[STEP]:.3g} s,"
+        " or masses that differ less."
     )
 
 
@@ -83,9 +83,4 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     )
 
 
-_SENTENCES = {
-    LEFT_UNSOLVED: _unsolved,
-    TURNS_TOO_FAST: _too_fast,
-    MISSES_CONTACT: _missed,
-    LEFT_BOUNCING: _bouncing,
-}
+_SENTENCES = {LEFT_UNSOLVED: _unsolved, TURNS_TOO_FAST: _too_fast, MISSES_CONTACT: _missed, LEFT_BOUNCING: _bouncing}

@@ -14,8 +14,8 @@ from kickdrift.world.cloth.wind import calm
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
 from kickdrift.world.collision.missed import drop_paths, find_missed
-from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
 from kickdrift.world.collision.narrow_phase import place_shapes
+from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
 from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour

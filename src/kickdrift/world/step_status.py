@@ -1,14 +1,13 @@
 """The status of a stage that cannot proceed: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
 A stage that cannot proceed sets a status and returns. Once the cause is removed it is run again from its beginning, so what it
-has written until then must not change its result. One that sets `BEGIN_AGAIN` has the whole step rolled back and repeated, `DO_IN_PARTS` in parts. The
-loop that runs the stages checks the status after each.
+has written until then must not change its result. One that sets `BEGIN_AGAIN` has the whole step rolled back and repeated, one
+that sets `DO_IN_PARTS` has it done in shorter parts. The loop that runs the stages checks the status after each.
 """
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
-from kickdrift.world.settings import BOUNCING_BODY, BOUNCING_TIME
-from kickdrift.world.tables import SETTINGS, STEP_STATUS, Table, floats, integers
+from kickdrift.world.tables import STEP_STATUS, Table, integers
 
 # Columns
 STATUS = column(STEP_STATUS)
@@ -62,12 +61,3 @@ def report_cloth(world: int, cloth: int) -> None:
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, LOST_BODY] = LOST_CLOTH, cloth
-
-
-@compiled(inline=True)
-def warn_of_impacts(world: int, body: int, t: float) -> None:
-    """Note that the impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
-    row, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
-    if row[0, WARNING] & LEFT_BOUNCING == 0:
-        settings[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
-        row[0, WARNING] |= LEFT_BOUNCING

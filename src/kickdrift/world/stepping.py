@@ -24,12 +24,12 @@ from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.force_stage import FORCES, Force, put_numbers
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.parts import do_parts
 from kickdrift.world.recorder import Recorder
 from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth_error, roll_back
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
+from kickdrift.world.subdivision import do_parts
 from kickdrift.world.tables import (
     BODY,
     CLOTH,

@@ -1,8 +1,10 @@
 """Contacts that were missed: what an impact makes fast within a step may meet what the search before it did not expect.
 
-At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search. Where one of
-them may have met a shape of which the step had no points, the step is done again, and the search knows then how these bodies
-move. What was found once stays found, so that each time more is known. What is missed after the last attempt is said.
+At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search: at its end, at
+ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is done again,
+and the search knows then how these bodies move. What was found once stays found, so that each time more is known. Where paths
+have more corners than the search can know of, the step is halved (see `kickdrift.world.subdivision`), until no part misses any.
+What is missed in the shortest parts is said.
 """
 
 import math
@@ -98,7 +100,8 @@ from kickdrift.world.tables import (
 
 _TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
 _HALVINGS = 10  # of a step, at most
-_PUSHED_OUT = 0.25  # of the radius around the smaller of two shapes: how deep it may come and be pushed out to where it was
+# Of the radius around the smaller of two shapes: so deep it may come into the other, and is pushed out to where it was.
+_PUSHED_OUT = 0.25
 
 
 @compiled
@@ -238,7 +241,7 @@ def _shallow(world: int, a: int, b: int) -> float:
 
 @compiled
 def _swept(world: int, shape: int, depth: float) -> Box:
-    """Return the box around where a shape was at the start of the step, is now, and has been meanwhile, less its outer layer."""
+    """Return the box around where a shape has been in the step; less its outer layer, of that depth."""
     place, placed = floats(world, PLACE), floats(world, PLACED)
     body = integers(world, SHAPE)[shape, BODY_ROW]
     own = _shrunk(extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)), depth)

@@ -106,6 +106,7 @@ def way_on_path(world: int, body: int) -> float:
 def note_path(h: float, world: int, body: int) -> bool:
     """Note how a body has moved in the attempt at a step that is to be done again; return whether it was another way before."""
     pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
+    news: bool = predicted[body, HAS_CHANGE] == 0.0
     start, before = vector_at(floats(world, STARTED_POSE), body, 0), vector_at(floats(world, STARTED_MOTION), body, 0)
     gained = times(h, acceleration(world, body))
     at, after = vector_at(pose, body, 0), vector_at(motion, body, 0)
@@ -113,7 +114,6 @@ def note_path(h: float, world: int, body: int) -> bool:
     faster = minus(minus(after, gained), before)
     apart = plus(minus(minus(at, start), times(h, after)), times(0.5 * h, gained))
     change = -dot(apart, faster) / max(dot(faster, faster), 1e-300)
-    news = predicted[body, HAS_CHANGE] == 0.0
     predicted[body, HAS_CHANGE], predicted[body, CHANGE_TIME] = 1.0, min(max(change, 0.0), h)
     for k in range(7):
         news = news or predicted[body, END_POSE + k] != pose[body, k]

@@ -112,7 +112,8 @@ def _advance(world: int, row: int, way: float) -> None:
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
         before, when = when, min(when + left, until)
-    if closing < 0.0 and when > before and contact[row, POINTS] != 0:  # they have passed: back to where they still approached
+    # They have passed: back to where they still approached.
+    if closing < 0.0 and when > before and contact[row, POINTS] != 0:
         when = before
         at, turn, _ = _relative(world, row, when)
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)

@@ -30,8 +30,8 @@ from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, 
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
-from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
-from kickdrift.world.step_status import ask_for_room, warn_of_impacts
+from kickdrift.world.settings import BOUNCE_SPEED, BOUNCING_BODY, BOUNCING_TIME, GRAVITY, MARGIN, SLOP, SUBSTEPS
+from kickdrift.world.step_status import LEFT_BOUNCING, WARNING, ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
     COLOURS,
@@ -42,6 +42,7 @@ from kickdrift.world.tables import (
     PLACE,
     PREDICTED,
     SETTINGS,
+    STEP_STATUS,
     floats,
     integers,
     room,
@@ -50,7 +51,8 @@ from kickdrift.world.tables import (
 )
 
 _ROUNDS = 310
-_APART = 300  # of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times
+# Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
+_APART = 300
 _SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave 5e-5 of what there is to do, for a mass ratio of 1000
 _SLOW = 1e-6  # of the fastest impact of a substep: or of its impulses: less is nothing
 _FAR = 1e10  # m, as a gap, and rad, as a turn in REFERENCE: it has the arms of a contact recomputed
@@ -162,6 +164,15 @@ def bounce(t: float, h: float, world: int) -> None:
         warn_of_impacts(world, body, t)
 
 
+@compiled(inline=True)
+def warn_of_impacts(world: int, body: int, t: float) -> None:
+    """Note that impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
+    status, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
+    if status[0, WARNING] & LEFT_BOUNCING == 0:
+        settings[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
+        status[0, WARNING] |= LEFT_BOUNCING
+
+
 @compiled
 def _join_touching(world: int) -> None:
     """Make the impacts of a round inelastic, and solve them together with the contacts that have hit before in the substep.
@@ -189,7 +200,8 @@ def _join_touching(world: int) -> None:
                     joins = False
                     break
             if joins:
-                impact[count, ROW], impact[count, BOUNCE], impact[count, TIME], impact[count, SPEED] = row, 0.0, when, 0.0
+                impact[count, ROW], impact[count, TIME] = row, when
+                impact[count, BOUNCE], impact[count, SPEED] = 0.0, 0.0
                 for j in range(4):
                     impact[count, TIMES + j] = when
                 kicked[own_a, NEXT_IMPACT] = kicked[own_b, NEXT_IMPACT] = when

@@ -8,7 +8,7 @@ Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (20
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.restitution import slowest_bounce
+from kickdrift.world.contacts.restitution import slowest_bounce, warn_of_impacts
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
 from kickdrift.world.direct.external_energy import energy_after_impact
@@ -19,7 +19,6 @@ from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, t
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
-from kickdrift.world.step_status import warn_of_impacts
 from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, PLACE, floats, integers, rows
 
 _ROUNDS = 30
