@@ -234,7 +234,7 @@ def find_impulses(world: int, sweeps: int) -> float:
 
 @compiled
 def _find_friction(world: int, scale: float, sweeps: int) -> float:
-    """Find friction within Coulomb's bound, and normal impulses that keep normal velocities at zero; return what is left, N s."""
+    """Find friction within Coulomb's bound, and normal impulses that keep normal velocities at zero; return what is left."""
     impact, count, largest = floats(world, IMPACT), rows(world, IMPACT), 0.0
     for hit in range(count):
         total = pushed(impact[hit])
