@@ -1,7 +1,7 @@
 """Contacts that were missed: what an impact makes fast within a step may meet what the search before it did not expect.
 
 At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search: at its end,
-at ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is done again,
+at ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is repeated,
 and the search knows then how these bodies move. What was found once stays found, so that each time more is known. Where paths
 have more corners than the search can know of, the step is halved (see `kickdrift.world.subdivision`), until no part misses any.
 What is missed in the shortest parts is said.

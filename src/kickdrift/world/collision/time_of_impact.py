@@ -113,7 +113,7 @@ def _advance(world: int, row: int, way: float) -> None:
             break
         before, when = when, min(when + left, until)
     # They have passed: back to where they still approached.
-    if closing < 0.0 and when > before and contact[row, POINTS] != 0:
+    if closing < 0.0 and when > before and contact[row, POINTS] != 0 and gap <= settings[0, MARGIN]:
         when = before
         at, turn, _ = _relative(world, row, when)
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)

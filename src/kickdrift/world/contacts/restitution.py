@@ -55,6 +55,7 @@ _ROUNDS = 310
 _APART = 300
 _SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave 5e-5 of what there is to do, for a mass ratio of 1000
 _SLOW = 1e-6  # of the fastest impact of a substep: or of its impulses: less is nothing
+_ROUGH = 1e-3  # likewise: what is left of more than that is said, if it comes to a tenth of the slop
 _FAR = 1e10  # m, as a gap, and rad, as a turn in REFERENCE: it has the arms of a contact recomputed
 _MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
@@ -129,7 +130,7 @@ def bounce(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts within the substep."""
     if rows(world, BOUNCING) == 0:
         return
-    left, most, body, first = 0.0, 0.0, 0, 0.0
+    left, most, body, first, fastest, near = 0.0, 0.0, 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
     for n in range(_ROUNDS):
         fastest, together = _find_round(h, world), n >= _APART
         first = max(first, fastest)
@@ -158,9 +159,7 @@ def bounce(t: float, h: float, world: int) -> None:
             most = max(most, pushed(impact[hit]))
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
-    else:
-        left = math.inf
-    if left > _SLOW * most:
+    if first * h > near and (fastest > max(_ROUGH * first, near / h) or left > _ROUGH * most):
         warn_of_impacts(world, body, t)
 
 
