@@ -770,7 +770,9 @@ def test_bodies_that_come_are_not_there_before_and_those_that_go_after():
     assert recording.row("late") == late.index
     report = recording.report()
     assert "displacement" in report
-    assert re.search("^stages of substeps  .*begin forces, kick, .*warm start, solve, .*drift, relax", report, re.MULTILINE)
+    assert re.search(
+        "^stages of substeps  .*begin forces, kick, .*warm start, solve, .*drift, relax", report, re.MULTILINE
+    )
 
 
 def swung():

@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable
 from itertools import takewhile
 
-
 # Numbers, and lists of them, that are longer than a line
 _LONG_NUMBERS = re.compile(r"[\d\s.,e+\-\[\]()]{120,}")
 

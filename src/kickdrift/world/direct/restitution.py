@@ -3,8 +3,8 @@
 At the start of a substep, when joints are satisfied, in rounds: all points that will hit within the substep faster than the
 bounce speed get -e times their speed, together with points of the same manifold that would hit in the next substep, so that
 bodies that land flat do not turn; then the points that these push onto others, until none hits. Points without restitution hit
-where a substep carries their shapes on by more than half of the smaller one: at its end they might have turned through what
-they met, since the solution of the substep takes arms to be constant. Smith, Kaufman, Vouga,
+in islands that a contact strikes which is so fast that a substep carries shapes on by more than half of the smaller one: at its
+end they might have turned through what they met, as the solution of a substep takes arms to be constant. Smith, Kaufman, Vouga,
 Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 
@@ -51,12 +51,13 @@ def bounce_islands(t: float, h: float, world: int) -> None:
 def _find_hits(island: int, h: float, world: int) -> bool:
     """Find the points of an island that hit, and their speeds after the impact; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    contact, place, found = integers(world, CONTACT), floats(world, PLACE), False
+    contact, place, found, struck = integers(world, CONTACT), floats(world, PLACE), False, False
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        struck = struck or strikes(world, row_of(order[k, 0], world))
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         row = row_of(order[k, 0], world)
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-        may_hit = e > 0.0 or strikes(world, row)
-        if _hits(order[k, 0], e, may_hit, h, world):
+        if _hits(order[k, 0], e, e > 0.0 or struck, h, world):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
             found = True
     return found
