@@ -22,7 +22,7 @@ def _raise_of_shapes(source: Any, target: Any) -> None:
     raise NotImplementedError
 
 
-@overload(_raise_of_shapes)
+@overload(_raise_of_shapes)  # type: ignore[untyped-decorator]
 def _raise(source: Any, target: Any) -> Any:
     def raise_(source: Any, target: Any) -> None:
         raise ValueError("a slice is assigned an array of another shape")
