@@ -2,8 +2,8 @@
 
 Templates. By Filippov's rule, the force there is the mean of those of both sides with which the switch stays zero. For forces
 that are linear in the side it is that of a side between -1 and 1, the equivalent control (V. I. Utkin, Sliding Modes in Control
-and Optimization (1992), chapter 2). It is constant during a step: at first from the rates of the switch at its start, and then by
-iteration, so that the step ends at the switch; of second order, for any method.
+and Optimization (1992), chapter 2). It is constant during a step, at first from the rates of the switch at its start, and then by
+iteration such that the step ends at the switch: of second order, for any method.
 """
 
 from collections.abc import Callable
