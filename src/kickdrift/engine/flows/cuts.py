@@ -33,7 +33,7 @@ from kickdrift.engine.flows.layout import (
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
 from kickdrift.engine.flows.sides import show_sides
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
-from kickdrift.engine.flows.sliding_mode import may_slide, something_slides
+from kickdrift.engine.flows.sliding_mode import begin_sliding, something_slides
 from kickdrift.engine.flows.surfaces import (
     BEFORE,
     FLIES,
@@ -52,7 +52,6 @@ from kickdrift.engine.flows.surfaces import (
     ROUNDS,
     SHORT,
     SIDE,
-    SLIDES_ON,
     SLIP,
     SWITCH,
     TOUCHES,
@@ -79,7 +78,6 @@ misses: Callable[..., bool] = unbound
 FREE, SEARCHING, LAST, SHORTENED, SLIDING = 0.0, 1.0, 2.0, 3.0, 4.0  # modes
 _MOST_ROUNDS, _ROUNDING = 200, 2.220446049250313e-16
 _MOST_SHORT = 100.0  # consecutive cuts without time between
-_SLIDES_AFTER = 2.0  # of these, as both laws may lead back to the switch
 _SLIVER = 1e-9  # of a step: shorter remainders are left out
 
 
@@ -176,13 +174,6 @@ def count_short(crosses: bool, work: Floats) -> None:
     own[SHORT] += 1.0
     if own[SHORT] > _MOST_SHORT:
         work[TROUBLE] = CHATTERING if crosses else JAMMED
-
-
-@compiled
-def begin_sliding(row: int, work: Floats) -> None:
-    """Let the next step begin on a switch that was crossed too often without time between."""
-    if own_params(work)[SHORT] > _SLIDES_AFTER and may_slide(work):
-        row_of(RESTING, work)[row] = SLIDES_ON
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 Templates. By Filippov's rule, the force there is the mean of those of both sides with which the switch stays zero. For forces
 that are linear in the side it is that of a side between -1 and 1, the equivalent control (V. I. Utkin, Sliding Modes in Control
-and Optimization (1992), chapter 2). It is constant during a step, at first from the rates of the switch at its start, and then by
+and Optimization (1992), chapter 2). It is constant during a step, at first from the rates of the switch at its start, then by
 iteration such that the step ends at the switch: of second order, for any method.
 """
 
@@ -31,6 +31,7 @@ from kickdrift.engine.flows.surfaces import (
     PLACE_OF_SIDES,
     RESTING,
     ROUNDS,
+    SHORT,
     SIDE,
     SLIDES_ON,
     STEEPNESS,
@@ -52,6 +53,7 @@ take_equivalent_side: Callable[..., bool] = unbound
 
 _MOMENT = 1e-4  # of a step, by which the rate of a switch is a difference
 _LINEAR = 1e-2  # of the difference of the rates on both sides
+_SLIDES_AFTER = 2.0  # consecutive cuts without time between
 _SETTLED, _MOST_ROUNDS = 1e-12, 20  # of the iteration for the side
 
 
@@ -59,6 +61,13 @@ _SETTLED, _MOST_ROUNDS = 1e-12, 20  # of the iteration for the side
 def may_slide(work: Floats) -> bool:
     """Whether the force gets the sides."""
     return bool(own_params(work)[PLACE_OF_SIDES] >= 0.0)
+
+
+@compiled
+def begin_sliding(row: int, work: Floats) -> None:
+    """Let the next step slide along a switch, if it has been crossed too often without time between."""
+    if own_params(work)[SHORT] > _SLIDES_AFTER and may_slide(work):
+        row_of(RESTING, work)[row] = SLIDES_ON
 
 
 @compiled
