@@ -59,6 +59,8 @@ from kickdrift.engine.flows.surfaces import (
     WHOLE,
     row_of,
     size_of,
+    something_is_hit,
+    something_rests,
 )
 
 Floats = NDArray[np.float64]
@@ -135,24 +137,6 @@ def choose_size(last: float, x: Floats, work: Floats) -> bool:
         own[MODE] = LAST
     work[DENSITY] = abs(work[FIRST_STEP]) / size
     return bool(size != last or own[MODE] != LAST)
-
-
-@compiled
-def something_is_hit(work: Floats) -> bool:
-    """Whether a gap has closed, rather than only a slip reversed."""
-    hit, some = row_of(HIT, work), False
-    for row in range(hit.size):
-        some = some or hit[row] != 0.0
-    return some
-
-
-@compiled
-def something_rests(work: Floats) -> bool:
-    """Whether the step was projected back onto a surface."""
-    resting, some = row_of(RESTING, work), False
-    for row in range(resting.size):
-        some = some or resting[row] != FLIES
-    return some
 
 
 @compiled

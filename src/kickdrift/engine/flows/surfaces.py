@@ -107,6 +107,24 @@ def list_one(row: int, work: Floats) -> None:
     row_of(LIST, work)[0] = row
 
 
+@compiled
+def something_is_hit(work: Floats) -> bool:
+    """Whether a gap has closed, rather than only a slip reversed."""
+    hit, some = row_of(HIT, work), False
+    for row in range(hit.size):
+        some = some or hit[row] != 0.0
+    return some
+
+
+@compiled
+def something_rests(work: Floats) -> bool:
+    """Whether the step was projected back onto a surface."""
+    resting, some = row_of(RESTING, work), False
+    for row in range(resting.size):
+        some = some or resting[row] != FLIES
+    return some
+
+
 def evaluate_gaps(t: float, x: Floats, v: Floats, work: Floats) -> float:
     """Write the gaps, and return the smallest of those that may close."""
     now, side, resting, before = row_of(NOW, work), row_of(SIDE, work), row_of(RESTING, work), row_of(BEFORE, work)
