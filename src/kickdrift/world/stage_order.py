@@ -84,7 +84,7 @@ def word(uses: Uses) -> Word:
     direct = uses.joints or uses.direct
     forces = (begin_forces, *uses.forces)
     substep = (
-        *when(direct and uses.bounces, bounce_islands),
+        *when(direct and (uses.bounces or uses.is_fast), bounce_islands),
         *forces,
         kick,
         *when(uses.bounces or uses.is_fast, bounce),
