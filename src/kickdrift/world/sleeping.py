@@ -44,7 +44,7 @@ def wake_touched(t: float, h: float, world: int) -> None:
         if _is_near(world, row):
             found = _wakes_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B]) or found
     for row in range(rows(world, JOINT)):
-        if joint[row, j.JOINT_KIND] != j.REMOVED:
+        if joint[row, j.JOINT_KIND] != j.REMOVED_JOINT:
             found = _wakes_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B]) or found
     if found:
         wake_marked(world)
@@ -131,7 +131,7 @@ def sleep(t: float, h: float, world: int) -> None:
         if _is_near(world, row):
             _unite(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
     for row in range(rows(world, JOINT)):
-        if joint[row, j.JOINT_KIND] != j.REMOVED:
+        if joint[row, j.JOINT_KIND] != j.REMOVED_JOINT:
             _unite(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
     # The time of rest of an island is the shortest of its bodies, stored with the first.
     for row in range(rows(world, BODY)):

@@ -17,7 +17,7 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bvh_update import update_for_queries
 from kickdrift.world.collision.dispatch import find_extents
-from kickdrift.world.collision.fat_bounds import find_strays
+from kickdrift.world.collision.fat_aabb import find_strays
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.collision.overlap_query import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
