@@ -7,7 +7,7 @@ that sets `DO_IN_PARTS` has it done in shorter parts. The loop that runs the sta
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
-from kickdrift.world.tables import STEP_STATUS, Table, integers
+from kickdrift.world.tables import STEP_STATUS, Table, Tables, integers
 
 # Columns
 STATUS = column(STEP_STATUS)
@@ -37,6 +37,17 @@ LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finit
 BEGIN_AGAIN = 6  # the step has found out what it needed to know at its start: roll it back, and repeat it
 DO_IN_PARTS = 7  # more happens in the step than it can know at its start: roll it back, and do it in parts
 DO_IN_PARTS = 7  # it is too long for what happens in it: roll it back, and halve it
+
+
+_REQUEST = [STATUS, TABLE, ROWS_WANTED, LOST_BODY]
+
+
+def take_request(tables: Tables) -> tuple[int, int, int, int]:
+    """Return the status of a stage that cannot proceed, the table, the rows wanted and the lost body, and clear them."""
+    row = tables.row(STEP_STATUS, 0)
+    status, table, wanted, body = row[_REQUEST].tolist()
+    row[_REQUEST] = OK
+    return status, table, wanted, body
 
 
 @compiled(inline=True)

@@ -1,10 +1,10 @@
 """Contacts that were missed: what an impact makes fast within a step may meet what the search before it did not expect.
 
 At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search: at its end,
-at ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is repeated,
-and the search knows then how these bodies move. What was found once stays found, so that each time more is known. Where paths
-have more corners than the search can know of, the step is halved (see `kickdrift.world.subdivision`), until no part misses any.
-What is missed in the shortest parts is said.
+at ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is done
+again; the search knows then how these bodies move. What was found once stays found, so that each time more is known. Where
+paths have more corners than the search can know of, the step is halved (see `kickdrift.world.subdivision`), until no part
+misses any. What is missed in the shortest parts is said.
 """
 
 import math
@@ -48,6 +48,7 @@ from kickdrift.world.layout import (
     FIRST_TREE_NODE,
     IS_SENSOR,
     LAST_TREE_NODE,
+    LOWER,
     ORIENTATION,
     PLACE_ORIENTATION,
     PLACE_POSITION,
@@ -56,6 +57,7 @@ from kickdrift.world.layout import (
     POSITION,
     RADIUS,
     STATIC,
+    UPPER,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
@@ -188,7 +190,7 @@ def _find_body(world: int) -> int:
             continue
         box, known = _swept(world, shape, 0.0), True
         for j in range(3):
-            known = known and bounds[shape, j] <= box[j] and box[3 + j] <= bounds[shape, 3 + j]
+            known = known and bounds[shape, LOWER + j] <= box[j] and box[3 + j] <= bounds[shape, UPPER + j]
         if not known and _meets_unknown(world, shape, box):
             own: int = integers(world, SHAPE)[shape, BODY_ROW]
             return own
