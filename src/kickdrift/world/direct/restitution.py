@@ -10,6 +10,7 @@ Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (20
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.impact_motion import is_moved
 from kickdrift.world.contacts.restitution import slowest_bounce, strikes, warn_of_impacts
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
@@ -46,8 +47,8 @@ def bounce_islands(t: float, h: float, world: int) -> None:
                     take_back_velocities(island, world)
                     break
         else:
-            contact = row_of(integers(world, ISLAND_CONTACT)[integers(world, ISLAND)[island, FIRST_CONTACT], 0], world)
-            warn_of_impacts(world, integers(world, CONTACT)[contact, c.BODY_B], t)
+            a, b = bodies_of(integers(world, ISLAND_CONTACT)[integers(world, ISLAND)[island, FIRST_CONTACT], 0], world)
+            warn_of_impacts(world, b if is_moved(world, b) else a, t)
 
 
 @compiled(cached=False)
