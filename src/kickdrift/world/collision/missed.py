@@ -10,16 +10,14 @@ misses any. What is missed in the shortest parts is said.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, length, minus, plus, product, turned
-from kickdrift.world.collision.aabb import box_around, box_in_frame, boxes_overlap, fat_bounds, reaches_under
+from kickdrift.core.vectors import length
+from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import (
-    LEAST,
-    MOST,
     POSITION_ERROR,
     TURN_ERROR,
     drop_path,
@@ -28,7 +26,8 @@ from kickdrift.world.collision.predicted_path import (
     turn_error,
 )
 from kickdrift.world.collision.search_state import TRIES
-from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.collision.swept_boxes import may_meet, swept_box
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
@@ -49,18 +48,12 @@ from kickdrift.world.layout import (
     IS_SENSOR,
     LAST_TREE_NODE,
     LOWER,
-    ORIENTATION,
-    PLACE_ORIENTATION,
     PLACE_POSITION,
-    PLACED_ORIENTATION,
-    PLACED_POSITION,
-    POSITION,
     RADIUS,
-    STATIC,
     UPPER,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
-from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
 from kickdrift.world.step_status import (
     BEGIN_AGAIN,
@@ -79,9 +72,7 @@ from kickdrift.world.tables import (
     GEOMETRY,
     MOVERS,
     PLACE,
-    PLACED,
     PLANES,
-    POSE,
     PREDICTED,
     SCRATCH,
     SEARCH,
@@ -89,7 +80,6 @@ from kickdrift.world.tables import (
     SHAPE,
     STATIC_TREE,
     STEP_STATUS,
-    SWEPT,
     TREE,
     TRIANGLE_TREE,
     Table,
@@ -102,8 +92,6 @@ from kickdrift.world.tables import (
 
 _TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
 _HALVINGS = 10  # of a step, at most
-# Of the radius around the smaller of two shapes: so deep it may come into the other, and is pushed out to where it was.
-_PUSHED_OUT = 0.25
 
 
 @compiled
@@ -178,7 +166,7 @@ def _find_body(world: int) -> int:
         # Who has come less deep into another shape than half of its size is pushed out again.
         far = max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
         of_a, of_b = _off(world, a), _off(world, b)
-        if of_a + of_b > far and _may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
+        if of_a + of_b > far and may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
             missed: int = contact[row, BODY_A if of_a > of_b else BODY_B]
             return missed
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
@@ -188,7 +176,7 @@ def _find_body(world: int) -> int:
             margin, 0.5 * place[shape, RADIUS]
         ):
             continue
-        box, known = _swept(world, shape, 0.0), True
+        box, known = swept_box(world, shape, 0.0), True
         for j in range(3):
             known = known and bounds[shape, LOWER + j] <= box[j] and box[3 + j] <= bounds[shape, UPPER + j]
         if not known and _meets_unknown(world, shape, box):
@@ -220,63 +208,6 @@ def _inner_radius(world: int, shape: int) -> float:
 
 
 @compiled
-def _may_meet(world: int, a: int, part: int, b: int) -> bool:
-    """Whether one shape may have come deep into another; the first may be a plane, or a mesh of which one part counts."""
-    sort, depth = sort_of(world, a), _shallow(world, a, b)
-    if sort == HALF_SPACE:
-        return reaches_under(world, a, _swept(world, b, depth))
-    if sort == SURFACE:
-        own = triangle_box(flat(world, GEOMETRY), integers(world, SHAPE)[a, BEGIN], part)
-        return boxes_overlap(own, box_in_frame(world, a, _swept(world, b, depth)))
-    place = floats(world, PLACE)
-    if place[a, RADIUS] < place[b, RADIUS]:
-        a, b = b, a
-    return boxes_overlap(_swept(world, a, 0.0), _swept(world, b, depth))
-
-
-@compiled(inline=True)
-def _shallow(world: int, a: int, b: int) -> float:
-    """Return how deep a shape may come into another one and be pushed out again to where it came from, m."""
-    place = floats(world, PLACE)
-    return _PUSHED_OUT * smallest(place[a, RADIUS], place[b, RADIUS])
-
-
-@compiled
-def _swept(world: int, shape: int, depth: float) -> Box:
-    """Return the box around where a shape has been in the step; less its outer layer, of that depth."""
-    place, placed = floats(world, PLACE), floats(world, PLACED)
-    body = integers(world, SHAPE)[shape, BODY_ROW]
-    own = _shrunk(extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)), depth)
-    box = _moved(own, vector_at(placed, shape, PLACED_POSITION))
-    if integers(world, BODY)[body, BODY_KIND] == STATIC:
-        return box
-    pose = floats(world, POSE)
-    q = quaternion_at(pose, body, ORIENTATION)
-    at = plus(vector_at(pose, body, POSITION), turned(q, vector_at(place, shape, PLACE_POSITION)))
-    own = _shrunk(extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))), depth)
-    box = box_around(box, _moved(own, at))
-    if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0:
-        swept, about = floats(world, SWEPT), minus(at, vector_at(pose, body, POSITION))
-        own = _moved(own, about)
-        box = box_around(box, _moved(own, vector_at(swept, body, LEAST)))
-        box = box_around(box, _moved(own, vector_at(swept, body, MOST)))
-    return box
-
-
-@compiled(inline=True)
-def _shrunk(box: Box, depth: float) -> Box:
-    """Take an outer layer off a box, of a quarter of each side at most."""
-    x, y = min(depth, 0.25 * (box[3] - box[0])), min(depth, 0.25 * (box[4] - box[1]))
-    z = min(depth, 0.25 * (box[5] - box[2]))
-    return (box[0] + x, box[1] + y, box[2] + z, box[3] - x, box[4] - y, box[5] - z)
-
-
-@compiled(inline=True)
-def _moved(box: Box, at: Vector) -> Box:
-    return (at[0] + box[0], at[1] + box[1], at[2] + box[2], at[0] + box[3], at[1] + box[4], at[2] + box[5])
-
-
-@compiled
 def _meets_unknown(world: int, shape: int, box: Box) -> bool:
     """Whether the box that a shape has swept overlaps that of one that its fat bounds do not overlap."""
     planes, fat = integers(world, PLANES), fat_bounds(world, shape)
@@ -284,7 +215,7 @@ def _meets_unknown(world: int, shape: int, box: Box) -> bool:
         plane = planes[k, 0]
         if not may_touch(world, shape, plane) or reaches_under(world, plane, fat):
             continue
-        if reaches_under(world, plane, box) and _may_meet(world, plane, 0, shape):
+        if reaches_under(world, plane, box) and may_meet(world, plane, 0, shape):
             return True
     return _meets_unknown_in(world, STATIC_TREE, shape, box) or _meets_unknown_in(world, TREE, shape, box)
 
@@ -306,8 +237,8 @@ def _meets_unknown_in(world: int, tree: Table, shape: int, box: Box) -> bool:
             count, _ = gather(nodes, box_in_frame(world, other, box), parts)
             for j in range(count):
                 own = triangle_box(flat(world, GEOMETRY), shapes[other, BEGIN], int(parts[j]))
-                if not boxes_overlap(own, known) and _may_meet(world, other, int(parts[j]), shape):
+                if not boxes_overlap(own, known) and may_meet(world, other, int(parts[j]), shape):
                     return True
-        elif not boxes_overlap(fat, fat_bounds(world, other)) and _may_meet(world, other, 0, shape):
+        elif not boxes_overlap(fat, fat_bounds(world, other)) and may_meet(world, other, 0, shape):
             return True
     return False

@@ -26,12 +26,13 @@ from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
+from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
-from kickdrift.world.settings import BOUNCE_SPEED, BOUNCING_BODY, BOUNCING_TIME, GRAVITY, MARGIN, SLOP, SUBSTEPS
-from kickdrift.world.step_status import LEFT_BOUNCING, WARNING, ask_for_room
+from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
+from kickdrift.world.step_status import ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
     COLOURS,
@@ -42,7 +43,6 @@ from kickdrift.world.tables import (
     PLACE,
     PREDICTED,
     SETTINGS,
-    STEP_STATUS,
     floats,
     integers,
     room,
@@ -56,7 +56,7 @@ _APART = 300
 _SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave 5e-5 of what there is to do, for a mass ratio of 1000
 _SLOW = 1e-6  # of the fastest impact of a substep: or of its impulses: less is nothing
 _ROUGH = 1e-3  # likewise: what is left of more than that is said, if it comes to a tenth of the slop
-_FAR = 1e10  # m, as a gap, and rad, as a turn in REFERENCE: it has the arms of a contact recomputed
+_FAR = 1e10  # m, as a gap
 _MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
@@ -137,23 +137,23 @@ def bounce(t: float, h: float, world: int) -> None:
         if fastest == 0.0 or (together and fastest <= _SLOW * first):
             break
         if together:
-            _join_touching(world)
+            join_touching(world)
         impact = floats(world, IMPACT)
-        a, b = _bodies(world, 0)
+        a, b = bodies_of(world, 0)
         body = b if is_moved(world, b) else a
         for hit in range(rows(world, IMPACT)):
-            a, b = _bodies(world, hit)
+            a, b = bodies_of(world, hit)
             move_to_impact(h, world, a)
             move_to_impact(h, world, b)
         for hit in range(rows(world, IMPACT)):
             meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
         left = find_impulses(world, _MANY_SWEEPS if together else _SWEEPS)  # what this round has left will hit again
         for hit in range(rows(world, IMPACT)):
-            a, b = _bodies(world, hit)
+            a, b = bodies_of(world, hit)
             leave_impact(h, world, a)
             leave_impact(h, world, b)
             own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
-            own[c.REFERENCE * c.WIDTH] = _FAR if was_hit else _MISSED
+            own[c.REFERENCE * c.WIDTH] = HIT if was_hit else _MISSED
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 _hide_from_sweeps(own, k)
             most = max(most, pushed(impact[hit]))
@@ -164,51 +164,6 @@ def bounce(t: float, h: float, world: int) -> None:
 
 
 @compiled(inline=True)
-def warn_of_impacts(world: int, body: int, t: float) -> None:
-    """Note that impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
-    status, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
-    if status[0, WARNING] & LEFT_BOUNCING == 0:
-        settings[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
-        status[0, WARNING] |= LEFT_BOUNCING
-
-
-@compiled
-def _join_touching(world: int) -> None:
-    """Make the impacts of a round inelastic, and solve them together with the contacts that have hit before in the substep.
-
-    A light body between heavy ones that approach each other is hit infinitely often in a finite time, unless e is 1: that ends
-    as if all were hit at once.
-    """
-    impact, contact, kicked = floats(world, IMPACT), integers(world, CONTACT), floats(world, KICKED)
-    bouncing, count, known = integers(world, BOUNCING), rows(world, IMPACT), 0
-    for hit in range(count):
-        impact[hit, BOUNCE] = 0.0
-    while known < count:
-        known = count
-        for k in range(rows(world, BOUNCING)):
-            row = bouncing[k, 0]
-            if constraint(world, row)[c.REFERENCE * c.WIDTH] != _FAR:
-                continue
-            own_a, own_b, joins, when = contact[row, c.BODY_A], contact[row, c.BODY_B], False, 0.0
-            for hit in range(count):
-                a, b = _bodies(world, hit)
-                shared = (is_moved(world, own_a) and own_a in (a, b)) or (is_moved(world, own_b) and own_b in (a, b))
-                if shared and not joins:
-                    joins, when = True, impact[hit, TIME]
-                if int(impact[hit, ROW]) == row:
-                    joins = False
-                    break
-            if joins:
-                impact[count, ROW], impact[count, TIME] = row, when
-                impact[count, BOUNCE], impact[count, SPEED] = 0.0, 0.0
-                for j in range(4):
-                    impact[count, TIMES + j] = when
-                kicked[own_a, NEXT_IMPACT] = kicked[own_b, NEXT_IMPACT] = when
-                count += 1
-    set_rows(world, IMPACT, count)
-
-
-@compiled(inline=True)
 def _hide_from_sweeps(own: Any, point: int) -> None:
     """Make the gap of a point so large that the sweeps ignore it until its arms are recomputed.
 
@@ -216,13 +171,6 @@ def _hide_from_sweeps(own: Any, point: int) -> None:
     The sweeps assume constant velocities, and might also stop the corner of a fast body that only passes by.
     """
     own[(c.P + c.POINT_FIELDS * point + c.GAP) * c.WIDTH] = _FAR
-
-
-@compiled(inline=True)
-def _bodies(world: int, hit: int) -> tuple[int, int]:
-    """Return the rows of the bodies of an impact."""
-    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
-    return contact[row, c.BODY_A], contact[row, c.BODY_B]
 
 
 @compiled(inline=True)
@@ -321,6 +269,6 @@ def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
             hit[TIME], hit[SPEED] = when, speed
         if free:
             _hide_from_sweeps(own, k)
-            own[c.REFERENCE * c.WIDTH] = _FAR
+            own[c.REFERENCE * c.WIDTH] = HIT
     hits: bool = hit[TIME] < math.inf
     return hits

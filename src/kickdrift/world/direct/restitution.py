@@ -10,8 +10,9 @@ Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (20
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.endless_impacts import warn_of_impacts
 from kickdrift.world.contacts.impact_motion import is_moved
-from kickdrift.world.contacts.restitution import slowest_bounce, strikes, warn_of_impacts
+from kickdrift.world.contacts.restitution import slowest_bounce, strikes
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
 from kickdrift.world.direct.external_energy import energy_after_impact
