@@ -26,7 +26,7 @@ from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
+from kickdrift.world.contacts.endless_impacts import HIT, bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
