@@ -13,6 +13,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus, plus, product, times, turned
 from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.direct.energy_drift import drift_of_energy, forget_drift, judged_since
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -46,7 +47,7 @@ from kickdrift.world.joints.layout import (
     UPPER_LIMIT,
 )
 from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
-from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_TIME, FAST_TURN, GRAVITY, SUBSTEPS
+from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_SINCE, FAST_TIME, FAST_TURN, GRAVITY, SUBSTEPS
 from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
@@ -74,6 +75,7 @@ from kickdrift.world.tables import (
 # its energy that an island may lose or gain in a step in either case. Chains of six random rods jump by up to 2 %, and are
 # within 1 % after 5 s.
 LONG_TURN, JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.5, 0.1, 0.01
+JUDGED_TURN_OF_DRIFT = 0.02
 MOST, LEAP = 0.01, 0.03
 
 TINY = 1e-300  # J
@@ -90,14 +92,21 @@ def note_losses(t: float, h: float, world: int) -> None:
     if status[0, WARNING] & TURNS_TOO_FAST:
         return
     for island in range(rows(world, ISLAND)):
+        if islands[island, FIRST_JOINT] == islands[island, AFTER_JOINT]:
+            continue
+        if not _is_alone(island, world):
+            forget_drift(island, world)
+            continue
         body, rate = _fastest(island, world)
         far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
         judged = JUDGED_TURN_OF_LOOPS if islands[island, AFTER_JOINT] > islands[island, FIRST_CLOSING] else JUDGED_TURN
-        if not (far or rate * substep > judged) or not _is_alone(island, world):
-            continue
-        loss = _loss(island, h, world)
-        if abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world)):
-            settings[0, FAST_BODY], settings[0, FAST_TIME] = body, t
+        loss, since = drift_of_energy(island, t, h, world), judged_since(island, world)
+        found = abs(loss) > MOST and rate * substep > JUDGED_TURN_OF_DRIFT
+        if not found and (far or rate * substep > judged):
+            loss, since = _loss(island, h, world), t - h
+            found = abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world))
+        if found:
+            settings[0, FAST_BODY], settings[0, FAST_TIME], settings[0, FAST_SINCE] = body, t, since
             settings[0, FAST_TURN], settings[0, FAST_LOSS] = rate * substep, loss
             status[0, WARNING] |= TURNS_TOO_FAST
             return
@@ -176,6 +185,7 @@ def _began_as_joints_allow(island: int, rate: float, world: int) -> bool:
 def _work(body: int, h: float, world: int) -> tuple[float, float]:
     """Return bounds of the work of gravity and other forces on a body in the step, J.
 
+    That of gravity is in between the one at the present velocities and the one at those half a kick later.
     Other forces are taken to be constant, as in the last substep, and to act along the displacement of the body, or at its
     velocity before or after the step: the three estimates bracket the work in the substeps.
     """
@@ -184,8 +194,10 @@ def _work(body: int, h: float, world: int) -> tuple[float, float]:
     pose, started = floats(world, POSE), floats(world, STARTED_POSE)
     way = minus(vector_at(pose, body, LINEAR_PART), vector_at(started, body, LINEAR_PART))
     turn = vector_at(floats(world, DELTA_POSE), body, ANGULAR_PART)
-    least = mass * dot(gravity, way)
-    most = least
+    gained = minus(vector_at(after, body, LINEAR_PART), vector_at(before, body, LINEAR_PART))
+    fall = mass * dot(gravity, way)
+    lag = 0.5 * h / floats(world, SETTINGS)[0, SUBSTEPS] * mass * dot(gravity, gained)
+    least, most = fall - max(lag, 0.0), fall - min(lag, 0.0)
     for part in (LINEAR_PART, ANGULAR_PART):
         push = vector_at(force, body, part)
         old, new = h * dot(push, vector_at(before, body, part)), h * dot(push, vector_at(after, body, part))
