@@ -5,10 +5,11 @@ import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
-from kickdrift.world.direct.energy_losses import LONG_TURN
+from kickdrift.world.direct.refinement import LONG_TURN
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
+    FAST_REFINEMENT,
     FAST_SINCE,
     FAST_TIME,
     FAST_TURN,
@@ -57,7 +58,7 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     """Return the message of TURNS_TOO_FAST."""
     row = tables.array(SETTINGS)[0]
     turn, body = float(row[FAST_TURN]), bodies.words(int(row[FAST_BODY]))
-    times = max(turn / LONG_TURN, 2.0)
+    times = row[FAST_REFINEMENT]
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
     if turn <= LONG_TURN:
         why = (

@@ -25,6 +25,7 @@ from kickdrift.world.direct.layout import (
     GIVEN_UP,
 )
 from kickdrift.world.direct.node_selection import body_of
+from kickdrift.world.direct.refinement import LONG_TURN, refinement
 from kickdrift.world.direct.velocities import energy_of
 from kickdrift.world.joints.kinematics import axis_unit
 from kickdrift.world.joints.layout import (
@@ -47,7 +48,16 @@ from kickdrift.world.joints.layout import (
     UPPER_LIMIT,
 )
 from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
-from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_SINCE, FAST_TIME, FAST_TURN, GRAVITY, SUBSTEPS
+from kickdrift.world.settings import (
+    FAST_BODY,
+    FAST_LOSS,
+    FAST_REFINEMENT,
+    FAST_SINCE,
+    FAST_TIME,
+    FAST_TURN,
+    GRAVITY,
+    SUBSTEPS,
+)
 from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
@@ -71,11 +81,10 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Turn in a substep that is too far, and those from which on islands without and with loops are judged, rad; and the parts of
-# its energy that an island may lose or gain in a step in either case. Chains of six random rods jump by up to 2 %, and are
-# within 1 % after 5 s.
-LONG_TURN, JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.5, 0.1, 0.01
-JUDGED_TURN_OF_DRIFT = 0.02
+# Turns in a substep from which single steps of islands without and with loops are judged, rad. MOST is the part of its energy
+# that an island may lose or gain in many steps, or in one with a turn above `LONG_TURN`, and LEAP in any other: chains of six
+# random rods jump by up to 2 %, and are within 1 % after 5 s.
+JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.1, 0.01
 MOST, LEAP = 0.01, 0.03
 
 TINY = 1e-300  # J
@@ -101,13 +110,14 @@ def note_losses(t: float, h: float, world: int) -> None:
         far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
         judged = JUDGED_TURN_OF_LOOPS if islands[island, AFTER_JOINT] > islands[island, FIRST_CLOSING] else JUDGED_TURN
         loss, since = drift_of_energy(island, t, h, world), judged_since(island, world)
-        found = abs(loss) > MOST and rate * substep > JUDGED_TURN_OF_DRIFT
+        found = abs(loss) > MOST
         if not found and (far or rate * substep > judged):
             loss, since = _loss(island, h, world), t - h
             found = abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world))
         if found:
             settings[0, FAST_BODY], settings[0, FAST_TIME], settings[0, FAST_SINCE] = body, t, since
             settings[0, FAST_TURN], settings[0, FAST_LOSS] = rate * substep, loss
+            settings[0, FAST_REFINEMENT] = refinement(island, rate * substep, substep, world)
             status[0, WARNING] |= TURNS_TOO_FAST
             return
 

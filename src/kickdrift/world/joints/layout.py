@@ -75,6 +75,7 @@ ENERGY_AT_FIRST = column(JOINT_NUMBERS, 1, "J")  # kinetic and potential
 LAG_AT_FIRST = column(JOINT_NUMBERS, 1, "J")
 ENERGY_LEFT = column(JOINT_NUMBERS, 1, "J")  # with the lag, after the last step
 MOST_KINETIC = column(JOINT_NUMBERS, 1, "J")  # zero: not judged in the last step
+MEAN_LOSS = column(JOINT_NUMBERS, 1, "J")  # of the last steps
 JUDGED_SINCE = column(JOINT_NUMBERS, 1, "s")
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
