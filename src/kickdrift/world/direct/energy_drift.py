@@ -54,8 +54,8 @@ from kickdrift.world.tables import (
 _SAME = 1e-6
 
 # Islands are judged once their speed has been this many times what gravity adds in a step. What oscillates with the kicks, to
-# second order in the kick of one of four substeps, is then below 0.4 % of the energy; and what hangs at rest is not judged.
-_SLOW = 4.0
+# second order in the kick of one of four substeps, is then about 1 % of the energy at most; and what hangs at rest is not judged.
+_SLOW = 2.0
 
 # Weight of a step in the mean of losses: where the light end of a chain cracks like a whip, its energy is off by 2 % for a few.
 _WEIGHT = 0.125

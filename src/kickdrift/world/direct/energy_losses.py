@@ -87,6 +87,8 @@ from kickdrift.world.tables import (
 JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.1, 0.01
 MOST, LEAP = 0.01, 0.03
 
+RESTING_TURN = 1e-3  # rad in a step, below which rounding errors may be all that a body has
+
 TINY = 1e-300  # J
 
 # Fraction of the rate of its fastest body by which initial velocities of an island may violate its joints.
@@ -110,7 +112,7 @@ def note_losses(t: float, h: float, world: int) -> None:
         far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
         judged = JUDGED_TURN_OF_LOOPS if islands[island, AFTER_JOINT] > islands[island, FIRST_CLOSING] else JUDGED_TURN
         loss, since = drift_of_energy(island, t, h, world), judged_since(island, world)
-        found = abs(loss) > MOST
+        found = abs(loss) > MOST and rate * h > RESTING_TURN
         if not found and (far or rate * substep > judged):
             loss, since = _loss(island, h, world), t - h
             found = abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world))
