@@ -419,6 +419,17 @@ def test_a_world_answers_with_rows_and_handles():
     assert world.ray_cast((0, 0, 5), (0, 0, -1)).distance == pytest.approx(4.0, abs=0.01)
 
 
+def test_queries_that_need_room_leave_the_status_of_the_step():
+    world = World()
+    world.add_sphere(0.1)
+    world.step(1 / 60)
+    before = world.tables.array(t.STEP_STATUS).copy()
+    for k in range(300):
+        world.add_sphere(0.1, position=(k, 0, 0), static=True)
+    assert world.ray_cast((250, 0, 5), (0, 0, -1)) is not None
+    assert np.array_equal(world.tables.array(t.STEP_STATUS), before)
+
+
 def gap_to_triangle(corners, point):
     """Distance of a point from a triangle: to its face, if it is above or below that, else to its sides."""
     normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])

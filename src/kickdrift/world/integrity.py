@@ -12,6 +12,7 @@ from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.filters import HIGH_BODY, LOW_BODY
 from kickdrift.world.collision.search_state import NEW, SOUGHT_ANEW
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.file_tables import FileTables
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.catalogue import KINDS as JOINT_KINDS
 from kickdrift.world.layout import (
@@ -25,6 +26,7 @@ from kickdrift.world.layout import (
     HEAP,
     HEAP_SIZE,
     IN_HEAP,
+    REMOVED,
     SEARCH_STATE,
     SECOND_BODY,
     SHAPE_KIND,
@@ -32,7 +34,6 @@ from kickdrift.world.layout import (
     SLEEP_ISLAND,
     STATIC,
 )
-from kickdrift.world.layout import REMOVED as BODY_REMOVED
 from kickdrift.world.shapes.catalogue import KINDS, met_as
 from kickdrift.world.shapes.record import SOLID, SURFACE
 from kickdrift.world.shapes.triangle import triangles_of
@@ -42,41 +43,6 @@ from kickdrift.world.tuning import MOST_SUBSTEPS
 _OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "PREDICTED", "BODY")
 _STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING
 _SETTINGS = s.RESIDUAL  # columns before this one are settings
-
-
-class Rows:
-    """The tables of a file by their names, and checks of their numbers.
-
-    Raises
-    ------
-    ValueError
-        By every method that checks, if the condition does not hold.
-    """
-
-    def __init__(self, tables: Mapping[str, NDArray[Any]]) -> None:
-        self._tables = tables
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._tables[name]
-
-    def count(self, name: str, wanted: int) -> None:
-        """Check that a table has a number of rows."""
-        if len(self[name]) != wanted:
-            raise ValueError(f"table {name} has {len(self[name])} rows, but other tables require {wanted}")
-
-    def within(self, name: str, first: int, least: int, most: int, size: int = 1, of: Any = slice(None)) -> None:
-        """Check that `size` columns from `first` on are between two numbers, in all rows or in those of a selection."""
-        values = self[name][of, first : first + size]
-        wrong = ~((values >= least) & (values <= most))  # NaN is wrong, too
-        if wrong.any():
-            raise ValueError(
-                f"table {name} has {values[wrong][0]} in column {first}, where values are from {least} to {most}"
-            )
-
-    def holds(self, name: str, column: int, true: Any) -> None:
-        """Check that a condition on a column, which `true` holds for each row, is met."""
-        if not np.all(true):
-            raise ValueError(f"table {name} has a number in column {column} that is inconsistent with the others")
 
 
 def check(tables: Mapping[str, NDArray[Any]]) -> None:
@@ -93,7 +59,7 @@ def check(tables: Mapping[str, NDArray[Any]]) -> None:
     ValueError
         If an index in them is out of range, or a number is invalid or inconsistent with others.
     """
-    rows = Rows(tables)
+    rows = FileTables(tables)
     _check_bodies(rows)
     _check_shapes(rows)
     _check_contacts(rows)
@@ -102,13 +68,13 @@ def check(tables: Mapping[str, NDArray[Any]]) -> None:
     check_cloths(rows)
 
 
-def _check_bodies(rows: Rows) -> None:
+def _check_bodies(rows: FileTables) -> None:
     count = len(rows["POSE"])
     for name in _OF_BODIES:
         rows.count(name, count)
     if count == 0:
         raise ValueError("table POSE has no row for the ground")
-    rows.within("BODY", BODY_KIND, BODY_REMOVED, DYNAMIC)
+    rows.within("BODY", BODY_KIND, REMOVED, DYNAMIC)
     rows.within("BODY", BODY_KIND, STATIC, STATIC, of=slice(1))
     rows.within("BODY", AWAKE, 0, 1)
     rows.within("BODY", IN_HEAP, 0, 1)
@@ -118,14 +84,14 @@ def _check_bodies(rows: Rows) -> None:
     rows.within("INVERSE_MASS", 0, 0, 0, size=7, of=rows["BODY"][:, BODY_KIND] != DYNAMIC)
 
 
-def _check_shapes(rows: Rows) -> None:
+def _check_shapes(rows: FileTables) -> None:
     shapes, kinds = rows["SHAPE"], rows["BODY"][:, BODY_KIND]
     rows.count("PLACED", len(shapes))
     rows.count("BOUNDS", len(shapes))
     rows.within("SHAPE", BODY_ROW, 0, len(kinds) - 1)
     rows.within("SHAPE", SEARCH_STATE, NEW, SOUGHT_ANEW)
     there = shapes[:, SHAPE_KIND] >= 0
-    rows.holds("SHAPE", BODY_ROW, kinds[shapes[there, BODY_ROW]] != BODY_REMOVED)
+    rows.holds("SHAPE", BODY_ROW, kinds[shapes[there, BODY_ROW]] != REMOVED)
     sorts = np.array([KINDS[kind].sort for kind in shapes[there, SHAPE_KIND].tolist()], dtype=np.int64)
     rows.holds("SHAPE", BODY_ROW, (sorts == SOLID) | (kinds[shapes[there, BODY_ROW]] != DYNAMIC))
     known = there & (shapes[:, SEARCH_STATE] != NEW)
@@ -134,7 +100,7 @@ def _check_shapes(rows: Rows) -> None:
     rows.holds("BOUNDS", 0, finite)
 
 
-def _check_contacts(rows: Rows) -> None:
+def _check_contacts(rows: FileTables) -> None:
     contacts, shapes, n_bodies = rows["CONTACT"], rows["SHAPE"], len(rows["BODY"])
     rows.count("MANIFOLD", len(contacts))
     for column in (c.SHAPE_A, c.SHAPE_B):
@@ -164,11 +130,11 @@ def _check_contacts(rows: Rows) -> None:
     rows.holds("CONTACT", c.TRIANGLE_INDEX, (triangle >= 0) & (triangle < triangles_of(one[surface, SIZE])))
 
 
-def _check_joints(rows: Rows) -> None:
+def _check_joints(rows: FileTables) -> None:
     joints, kinds = rows["JOINT"], rows["BODY"][:, BODY_KIND]
     rows.count("JOINT_NUMBERS", len(joints))
     rows.count("JOINT_AXES", 6 * len(joints))
-    rows.within("JOINT", j.JOINT_KIND, j.REMOVED, len(JOINT_KINDS) - 1)
+    rows.within("JOINT", j.JOINT_KIND, j.REMOVED_JOINT, len(JOINT_KINDS) - 1)
     rows.within("JOINT", j.LINEAR, j.FRAME, j.GEARED)
     rows.within("JOINT", j.ANGULAR, j.RIGID, j.SWING_TWIST)
     rows.within("JOINT", j.PIVOT, 0, 2)
@@ -180,15 +146,15 @@ def _check_joints(rows: Rows) -> None:
     rows.within("JOINT", j.GEARED_AXES, 0, 5, size=2)
     for column in (j.BODY_A, j.BODY_B):
         rows.within("JOINT", column, 0, len(kinds) - 1)
-    there = joints[joints[:, j.JOINT_KIND] != j.REMOVED]
+    there = joints[joints[:, j.JOINT_KIND] != j.REMOVED_JOINT]
     rows.holds("JOINT", j.BODY_B, there[:, j.BODY_A] != there[:, j.BODY_B])
-    rows.holds("JOINT", j.BODY_A, kinds[there[:, [j.BODY_A, j.BODY_B]]] != BODY_REMOVED)
+    rows.holds("JOINT", j.BODY_A, kinds[there[:, [j.BODY_A, j.BODY_B]]] != REMOVED)
     rows.holds("JOINT", j.LAWS, there[:, j.LAWS] & there[:, j.LOCKED] == 0)
     rows.holds("JOINT", j.LOCKED, _angles_fit(there))
     gears = there[there[:, j.LINEAR] == j.GEARED]
     geared = joints[gears[:, j.GEARED_JOINTS : j.GEARED_JOINTS + 2]]
     rows.holds("JOINT", j.PRINCIPAL, gears[:, j.PRINCIPAL] >= 0)
-    rows.holds("JOINT", j.GEARED_JOINTS, geared[..., j.JOINT_KIND] != j.REMOVED)
+    rows.holds("JOINT", j.GEARED_JOINTS, geared[..., j.JOINT_KIND] != j.REMOVED_JOINT)
     rows.holds("JOINT", j.GEARED_JOINTS, geared[..., j.LINEAR] != j.GEARED)
 
 
@@ -200,7 +166,7 @@ def _angles_fit(joints: NDArray[np.int64]) -> NDArray[np.bool_]:
     return fit
 
 
-def _check_settings(rows: Rows) -> None:
+def _check_settings(rows: FileTables) -> None:
     rows.count("SETTINGS", 1)
     rows.count("STEP_STATUS", 1)
     rows.within("STEP_STATUS", STATUS, OK, OK)

@@ -157,7 +157,7 @@ column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that contains it as long as 
 
 # PARTICLE_PATH
 column(PARTICLE_PATH, 3, "m")  # position when pairs were sought
-FORESEEN = column(PARTICLE_PATH, 3, "m/s")  # predicted velocity
+PREDICTED_VELOCITY = column(PARTICLE_PATH, 3, "m/s")  # predicted velocity
 
 # FACE_BOUNDS
 column(FACE_BOUNDS, 6, "m")  # bounds of those of its corners
@@ -170,10 +170,10 @@ column(FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it i
 
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)
-NEIGHBOURS = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
+NEAR_NODES = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
 
 # TREE_NEIGHBOUR, of a node
-NEIGHBOUR = column(TREE_NEIGHBOUR)  # a later node of its level that is near it at rest
+NEAR_NODE = column(TREE_NEIGHBOUR)  # a later node of its level that is near it at rest
 BETWEEN = column(TREE_NEIGHBOUR)  # one that joins both to one piece; the neighbour itself where they share a side
 
 # CLOTH_SEARCH

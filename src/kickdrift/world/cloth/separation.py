@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus, plus, times
-from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, FORESEEN, SEARCH_HORIZON, SKIN
+from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, PREDICTED_VELOCITY, SEARCH_HORIZON, SKIN
 from kickdrift.world.cloth.proximity import Corners, closing, less_mean
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE, PARTICLE_PATH, floats, integers
@@ -37,7 +37,11 @@ def _corners(world: int, f: int) -> tuple[Triangle, Triangle]:
         face[f, CORNERS + 2],
     )
     a, b, c = vector_at(particle, i, 0), vector_at(particle, j, 0), vector_at(particle, k, 0)
-    u, v, w = vector_at(path, i, FORESEEN), vector_at(path, j, FORESEEN), vector_at(path, k, FORESEEN)
+    u, v, w = (
+        vector_at(path, i, PREDICTED_VELOCITY),
+        vector_at(path, j, PREDICTED_VELOCITY),
+        vector_at(path, k, PREDICTED_VELOCITY),
+    )
     return (a, b, c), (plus(a, times(h, u)), plus(b, times(h, v)), plus(c, times(h, w)))
 
 
@@ -59,9 +63,9 @@ def nearing(world: int, kind: int, at: Corners) -> float:
     """Bound the decrease of the distance of a pair by the predicted motion of its particles, m."""
     path, h = floats(world, PARTICLE_PATH), floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON]
     p, a, b, c = (
-        times(h, vector_at(path, at[0], FORESEEN)),
-        times(h, vector_at(path, at[1], FORESEEN)),
-        times(h, vector_at(path, at[2], FORESEEN)),
-        times(h, vector_at(path, at[3], FORESEEN)),
+        times(h, vector_at(path, at[0], PREDICTED_VELOCITY)),
+        times(h, vector_at(path, at[1], PREDICTED_VELOCITY)),
+        times(h, vector_at(path, at[2], PREDICTED_VELOCITY)),
+        times(h, vector_at(path, at[3], PREDICTED_VELOCITY)),
     )
     return closing(kind, less_mean(p, a, b, c))

@@ -16,12 +16,12 @@ from kickdrift.world.cloth.layout import (
     FIRST_FACE,
     FIRST_NODE,
     FIRST_PARTICLE,
-    FORESEEN,
     FRAME_VELOCITY,
     LAST_FACE,
     LAST_NODE,
     LAST_PARTICLE,
     PARTICLE_VELOCITY,
+    PREDICTED_VELOCITY,
     SEARCH_AGE,
     SEARCH_HORIZON,
     SKIN,
@@ -96,8 +96,10 @@ def stays(world: int, part: float) -> bool:
         for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
             now, then = 0.0, 0.0
             for k in range(3):
-                off = particle[i, k] - path[i, k] - age * path[i, FORESEEN + k]
-                strays = off + part * (particle[i, PARTICLE_VELOCITY + k] - path[i, FORESEEN + k]) + shift[i, k]
+                off = particle[i, k] - path[i, k] - age * path[i, PREDICTED_VELOCITY + k]
+                strays = (
+                    off + part * (particle[i, PARTICLE_VELOCITY + k] - path[i, PREDICTED_VELOCITY + k]) + shift[i, k]
+                )
                 now, then = now + off * off, then + strays * strays
             farthest = max(farthest, now, then)
         if not farthest <= numbers[cloth, SKIN] ** 2:
@@ -134,7 +136,7 @@ def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None
             x = particle[i, k]
             way = part * particle[i, PARTICLE_VELOCITY + k] + shift[i, k]
             v = (way + x - path[i, k]) / (part + age) if age > 0.0 else way / part
-            path[i, k], path[i, FORESEEN + k] = x, v
+            path[i, k], path[i, PREDICTED_VELOCITY + k] = x, v
             way = h * (v - search[0, FRAME_VELOCITY + k])
             bounds[i, k], bounds[i, 3 + k] = x + min(way, 0.0) - around, x + max(way, 0.0) + around
 
@@ -174,7 +176,7 @@ def _enclose_normal(world: int, f: int, h: float) -> None:
 @compiled(inline=True)
 def _way(world: int, i: int, h: float) -> Vector:
     """Return the predicted displacement of a particle in a time h, m."""
-    return times(h, vector_at(floats(world, PARTICLE_PATH), i, FORESEEN))
+    return times(h, vector_at(floats(world, PARTICLE_PATH), i, PREDICTED_VELOCITY))
 
 
 @compiled

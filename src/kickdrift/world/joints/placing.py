@@ -16,7 +16,7 @@ from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints.axis import finite
-from kickdrift.world.joints.kinematics import measure
+from kickdrift.world.joints.kinematics import measure_joint
 from kickdrift.world.joints.layout import (
     ANGULAR,
     ANGULAR_PART,
@@ -35,7 +35,7 @@ from kickdrift.world.joints.layout import (
     LOCKED,
     LOWER_LIMIT,
     PIVOT,
-    REMOVED,
+    REMOVED_JOINT,
     SWING_TWIST,
     UNIVERSAL,
     UPPER_LIMIT,
@@ -61,7 +61,7 @@ class Side(NamedTuple):
 def measure_again(joints: Any, world: int) -> None:
     """Measure some joints in their present poses."""
     for k in range(len(joints)):
-        measure(joints[k], 0.0, world)
+        measure_joint(joints[k], 0.0, world)
 
 
 @compiled
@@ -164,7 +164,9 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
     joints = tables.array(JOINT)
     moves = np.zeros(tables.count(BODY), dtype=np.bool_)
     moves[side.moved] = True
-    touched = np.flatnonzero((moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, JOINT_KIND] != REMOVED))
+    touched = np.flatnonzero(
+        (moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, JOINT_KIND] != REMOVED_JOINT)
+    )
     move = shift if k < 3 else turn
     move(side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]), tables.address)
     measure_again(touched, tables.address)
@@ -222,7 +224,7 @@ def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
     """Return the bodies that each body is connected to by joints with locked axes or limits, without one joint."""
     joints = tables.array(JOINT)
     limits = tables.array(JOINT_AXES)[:, [LOWER_LIMIT, UPPER_LIMIT]].reshape(-1, 12)
-    holds = (joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] == 0)
+    holds = (joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] == 0)
     holds &= (joints[:, LOCKED] != 0) | np.isfinite(limits).any(axis=1)
     holds[without] = False
     found: dict[int, list[int]] = {}

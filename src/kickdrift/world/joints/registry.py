@@ -47,7 +47,7 @@ from kickdrift.world.joints.layout import (
     POINT,
     PRINCIPAL,
     RATES,
-    REMOVED,
+    REMOVED_JOINT,
     RIGID,
     SEQUENTIAL,
     SWING_TWIST,
@@ -80,7 +80,7 @@ class Joints:
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two joints would share a handle
 
     def __len__(self) -> int:
-        return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED).sum())
+        return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED_JOINT).sum())
 
     @undivided
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
@@ -182,7 +182,7 @@ class Joints:
     def remove_of_body(self, body: int) -> None:
         """Remove all joints of a body, before it is removed."""
         joints = self.tables.array(JOINT)
-        there = (joints[:, JOINT_KIND] != REMOVED) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
+        there = (joints[:, JOINT_KIND] != REMOVED_JOINT) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
         for row in np.flatnonzero(there):
             self._remove_row(int(row))
 
@@ -194,7 +194,7 @@ class Joints:
     def take_broken(self) -> list[Joint]:
         """Remove the joints that have broken, and return their handles, which only identify them."""
         joints = self.tables.array(JOINT)
-        broken = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
+        broken = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
             self._remove_row(row)
@@ -244,7 +244,7 @@ class Joints:
         if not 0 <= index < self.tables.count(JOINT):
             return False
         row = self.tables.row(JOINT, index)
-        return bool(row.item(GENERATION) == generation and row.item(JOINT_KIND) != REMOVED)
+        return bool(row.item(GENERATION) == generation and row.item(JOINT_KIND) != REMOVED_JOINT)
 
     def handle(self, row: int) -> Joint:
         """Return the handle of a row."""
@@ -252,7 +252,7 @@ class Joints:
 
     def _free_row(self) -> int:
         joints = self.tables.array(JOINT)
-        free = np.flatnonzero(joints[:, JOINT_KIND] == REMOVED)
+        free = np.flatnonzero(joints[:, JOINT_KIND] == REMOVED_JOINT)
         if len(free):
             return int(free[0])
         row = len(joints)
@@ -265,12 +265,12 @@ class Joints:
     def _remove_row(self, row: int) -> None:
         wake_bodies(self.tables, row)
         joint = self.tables.array(JOINT)[row]
-        joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
+        joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED_JOINT, 0, 0, 0
         self.names.give(row, None)
         self.tables.version += 1
         self.arranged = False
         joints = self.tables.array(JOINT)
-        geared = (joints[:, LINEAR] == GEARED) & (joints[:, JOINT_KIND] != REMOVED)
+        geared = (joints[:, LINEAR] == GEARED) & (joints[:, JOINT_KIND] != REMOVED_JOINT)
         geared &= (joints[:, GEARED_JOINTS : GEARED_JOINTS + 2] == row).any(axis=1)
         for gear in np.flatnonzero(geared):
             self._remove_row(int(gear))
