@@ -53,8 +53,8 @@ from kickdrift.world.tables import (
 # Fraction of its energy by which an island may differ from how the last step left it, and be still the same.
 _SAME = 1e-6
 
-# Islands are judged once their speed has been this many times what gravity adds in a step. What oscillates with the kicks, to
-# second order in the kick of one of four substeps, is then about 1 % of the energy at most; and what hangs at rest is not judged.
+# Islands are judged once their speed has been this many times what gravity adds in a step: what hangs at rest is not. What
+# oscillates with the kicks, to second order in that of one of four substeps, is then about 1 % of the energy at most.
 _SLOW = 2.0
 
 # Weight of a step in the mean of losses: where the light end of a chain cracks like a whip, its energy is off by 2 % for a few.
