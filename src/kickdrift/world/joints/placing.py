@@ -40,7 +40,7 @@ from kickdrift.world.joints.layout import (
     UNIVERSAL,
     UPPER_LIMIT,
 )
-from kickdrift.world.layout import BODY_KIND, DYNAMIC, POSITION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, DYNAMIC, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 
 if TYPE_CHECKING:
@@ -89,9 +89,9 @@ def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> 
         w = plus(spin, turned(q, minus(vector_at(motion, body, ANGULAR_PART), spin)))
         orientation = unit(product(q, quaternion_at(pose, body, ANGULAR_PART)))
         for k in range(3):
-            pose[body, k], motion[body, k], motion[body, 3 + k] = at[k], v[k], w[k]
+            pose[body, POSITION + k], motion[body, VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = at[k], v[k], w[k]
         for k in range(4):
-            pose[body, 3 + k] = orientation[k]
+            pose[body, ORIENTATION + k] = orientation[k]
 
 
 def signs(tables: Tables, row: int) -> Floats:
@@ -124,7 +124,7 @@ def set_speed(joint: "Joint", k: int, speed: float) -> None:
         motion[side.moved, :3] += change
         return
     motion[side.moved, :3] += np.cross(change, tables.array(POSE)[side.moved, :3] - pivot)
-    motion[side.moved, 3:6] += change
+    motion[side.moved, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3] += change
 
 
 def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float, Side]:

@@ -60,6 +60,7 @@ from kickdrift.world.joints.planar import within_plane
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
+from kickdrift.world.layout import ORIENTATION
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
@@ -113,7 +114,7 @@ class Joints:
             (body_a, ANCHOR_A, FRAME_A, placement.anchor_a),
             (body_b, ANCHOR_B, FRAME_B, placement.anchor_b),
         ):
-            back = poses[body, 3:7] * (1.0, -1.0, -1.0, -1.0)
+            back = poses[body, ORIENTATION : ORIENTATION + 4] * (1.0, -1.0, -1.0, -1.0)
             numbers[at : at + 3] = turned(back, anchor - poses[body, :3])
             numbers[turn : turn + 4] = product(back, frame)
         numbers[LENGTH] = placement.length
