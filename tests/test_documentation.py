@@ -3,6 +3,7 @@
 import ast
 import doctest
 import importlib
+import inspect
 import re
 from pathlib import Path
 from types import ModuleType
@@ -45,6 +46,22 @@ def test_every_public_name_is_on_a_page():
         if not isinstance(getattr(module, name), ModuleType) and not any(getattr(module, name) is one for one in listed)
     ]
     assert not missing
+
+
+@pytest.mark.parametrize("method", [name for name in dir(kd.World) if name.startswith("add_") and name != "add_force"])
+def test_the_signatures_of_what_adds_to_a_world_show_all_arguments(method):
+    parameters = inspect.signature(getattr(kd.World, method)).parameters.values()
+    assert not any(each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD) for each in parameters)
+    assert max(len(str(each)) for each in parameters) < 120  # types by their names
+
+
+def test_a_signature_shows_the_options_that_a_method_passes_on_and_no_others():
+    box = inspect.signature(kd.World.add_box).parameters
+    assert box["mass"].kind == box["friction"].kind == inspect.Parameter.KEYWORD_ONLY
+    assert box["friction"].default == 0.6
+    assert "mass" not in inspect.signature(kd.World.add_mesh).parameters
+    assert list(inspect.signature(kd.World.add_gear).parameters)[:4] == ["self", "joint_a", "joint_b", "ratio"]
+    assert inspect.signature(kd.World.add_cloth_grid).parameters["density"].default == 0.2
 
 
 def with_examples():

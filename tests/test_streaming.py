@@ -101,6 +101,122 @@ def test_what_goes_to_disk_is_what_would_be_kept(problem, others, tmp_path):
     assert f"rows are in {str(path)!r}" in streamed.report()
 
 
+def random_times(end, count=800):
+    """Times in order, of which some are repeated, and one very often."""
+    times = np.random.default_rng(7).uniform(0.0, abs(end), count)
+    return np.sign(end) * np.sort(np.concatenate((times, times[::7], np.repeat(times[5], 250))))
+
+
+@pytest.mark.parametrize(
+    ("problem", "others"),
+    [
+        (kd.systems.kepler(0.6), {"t_eval": random_times(50.0)}),
+        (kd.systems.kepler(0.6), {"t_eval": random_times(-30.0), "end": -30.0}),
+        (kd.systems.kepler(0.6), {"t_eval": random_times(50.0), "step": 0.5}),
+        (kd.systems.kepler(0.6), {"t_eval": np.arange(5.0, 50.01, 1 / 16)}),
+        (kd.systems.kepler(0.6), {"t_eval": random_times(50.0), **VARIED}),
+        (kd.systems.kepler(0.6), {"t_eval": random_times(-30.0), "end": -30.0, **VARIED}),
+        (
+            kd.systems.outer_solar_system(),
+            {"t_eval": random_times(4e3), "end": 4e3, "step": 4.0, "method": "wisdom-holman-corrected-3"},
+        ),
+        (
+            kd.FirstOrder(lambda y: np.array([y[1], -y[0]])),
+            {"t_eval": random_times(50.0), "x0": [1.0, 0.0], "method": "rk4"},
+        ),
+        (
+            falling,
+            {
+                "t_eval": np.arange(0.0, 50.0, 0.05),
+                "x0": [0.0, 1.0],
+                "v0": [1.0, 0.0],
+                "impacts": kd.Impacts(lambda x: x[1], restitution=0.9),
+            },
+        ),
+        (
+            kd.Langevin(lambda x: -x, friction=1.0, temperature=0.4),
+            {"t_eval": np.arange(0.0, 50.01, 1 / 16), "x0": 1.0, "v0": 0.0, "method": "baoab"},
+        ),
+    ],
+    ids=[
+        "plain",
+        "backwards",
+        "many in a step",
+        "grid",
+        "varied",
+        "varied backwards",
+        "corrected",
+        "first order",
+        "impacts",
+        "noise",
+    ],
+)
+def test_times_of_ones_own_go_to_disk(problem, others, tmp_path):
+    options = {"save_every": None, **others}
+    whole, path = solve(problem=problem, **options), tmp_path / "run.zarr"
+    streamed = solve(path, problem=problem, **options)
+    same(path, whole)
+    assert np.array_equal(streamed.t, whole.t[[0, -1]])
+    assert np.array_equal(streamed.v, whole.v[[0, -1]])
+    assert (streamed.n_steps, streamed.n_force_evaluations) == (whole.n_steps, whole.n_force_evaluations)
+    assert whole.t.size > 700
+
+
+@pytest.mark.parametrize("others", [{}, VARIED], ids=["equal", "varied"])
+@pytest.mark.parametrize(("function", "after"), [(APPEND, 0), (APPEND, 3), (WRITE, 1), (WRITE, 4)])
+def test_a_run_with_times_of_ones_own_goes_on_in_its_folder(function, after, others, tmp_path, monkeypatch):
+    kept = {"path": tmp_path / "run.zarr", "checkpoint": tmp_path / "kept", "checkpoint_every": 100 if others else 500}
+    options = {"save_every": None, "t_eval": random_times(50.0), **others}
+    broken_off(monkeypatch, function, after, **kept, **options)
+    on, whole = solve(**kept, **options), solve(**options)
+    same(tmp_path / "run.zarr", whole)
+    assert on.n_force_evaluations == whole.n_force_evaluations
+    assert ("It resumed from step" in on.message) == (after > 0)
+    with pytest.raises(kd.ArgumentError, match="holds another run"):
+        solve(**kept, **{**options, "t_eval": [1.0, 2.0]})
+
+
+@pytest.mark.parametrize("others", [{}, VARIED], ids=["equal", "varied"])
+def test_an_event_ends_a_run_between_times(others, tmp_path):
+    def far(x):
+        return x[0] + 1.59
+
+    far.terminal = 3
+    times = {"save_every": None, "t_eval": random_times(50.0)}
+    whole = solve(events=far, **times, **others)
+    streamed = solve(tmp_path / "stopped", events=far, **times, **others)
+    same(tmp_path / "stopped", whole)
+    assert np.array_equal(streamed.x[[0, -1]], whole.x[[0, -1]])
+
+
+@pytest.mark.parametrize("times", [random_times(50.0), np.arange(0.0, 50.01, 5 / 64)], ids=["any", "grid"])
+@pytest.mark.parametrize("others", [{}, {"rtol": 1e-4, "step": None}], ids=["equal", "varied"])
+def test_an_early_end_between_times_is_written(times, others, tmp_path):
+    options = {"problem": lambda t, x: -x if t < 20.0 else math.inf, "x0": 1.0, "v0": 0.0, "compile": False}
+    options |= {"save_every": None, "t_eval": times, **others}
+    lost = solve(tmp_path / "lost", **options)
+    assert not lost.success
+    same(tmp_path / "lost", solve(**options))
+
+
+def test_memory_holds_a_few_states_of_those_between_times(tmp_path, monkeypatch):
+    monkeypatch.setattr(zarr_store, "_CHUNK", 10 * 8000)
+    start = {"x0": np.ones(1000), "v0": np.zeros(1000), "problem": lambda x: -x, "save_every": None}
+
+    def most(path, end):
+        tracemalloc.start()
+        sol = solve(path, end=end, t_eval=np.linspace(0.0, end, int(20 * end)), **start)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        del sol
+        return peak
+
+    most(tmp_path / "warm", 1.0)
+    short, long = most(tmp_path / "short", 2.0), most(tmp_path / "long", 20.0)
+    assert long < 1.5 * short
+    assert long < 0.5 * 400 * 16_000 < most(None, 20.0)
+
+
 def test_xarray_reads_it_meanwhile(tmp_path, monkeypatch):
     path, seen = tmp_path / "run.zarr", []
     append = zarr_store.ZarrStore.append
@@ -252,8 +368,9 @@ def another_run(path):
         (None, {"path": 3}, "is not a path"),
         (None, {"path": ""}, "is not a path"),
         (None, {"path": "no/such/folder.zarr"}, "folder that does not exist"),
-        (None, {"save_every": None, "t_eval": [1.0]}, "t_eval are both given"),
-        (None, {"step_control": "distance", "save_every": None, "t_eval": [1.0]}, "t_eval are both given"),
+        (None, {"t_eval": [1.0]}, "t_eval are both given"),
+        (None, {"save_every": None, "t_eval": [2.0, 1.0]}, "in the order of the run"),
+        (None, {"end": -5.0, "save_every": None, "t_eval": [-2.0, -1.0]}, "in the order of the run"),
     ],
 )
 def test_folders_that_cannot_be_are_refused(before, others, words, tmp_path, monkeypatch):

@@ -66,6 +66,15 @@ def test_a_result_that_broadcasts_is_taken():
     assert np.allclose(fall.v[-1], [0.0, 0.0, -9.81])
 
 
+def test_a_table_of_a_function_may_have_holes():
+    table = np.array([4.0, np.nan])
+
+    def spring(x):
+        return -table[0] * x
+
+    assert kd.solve(spring, (0.0, 1.0), 1.0, 0.0, step=0.5).x.tolist() == [1.0, 0.0, -1.0]
+
+
 def test_a_jitted_function_is_used_as_it_is():
     from numba import njit
 

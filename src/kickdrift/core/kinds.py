@@ -1,6 +1,7 @@
 """The kinds of problem, and which includes which."""
 
 from enum import Enum
+from functools import cache
 
 
 class Kind(Enum):
@@ -44,6 +45,7 @@ class Kind(Enum):
     CONSTRAINED = "accelerations a(t, x) with constraints g(x) = 0"
     LANGEVIN = "Langevin dynamics: forces, friction and noise"
 
+    @cache
     def includes(self, other: "Kind") -> bool:
         """Whether a problem of the other kind is one of this kind, too."""
         return self is other or any(self.includes(parent) for parent in _PARENTS.get(other, ()))

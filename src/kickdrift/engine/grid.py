@@ -35,7 +35,7 @@ class Grid:
     every : int or None
         Number of steps between rows; None if times were given.
     streamed : bool
-        Whether rows go to disk: then `save_steps` and `times` are empty, to save memory.
+        Whether rows go to disk: then `save_steps` and `times` are empty, to save memory, unless times were given.
     """
 
     t0: float
@@ -108,7 +108,7 @@ def lay_course(
     _check_one_of(t_eval, save_every)
     wanted = _wanted_times(t_eval, t0, t1)
     marks = np.unique(np.append(np.clip(wanted, min(t0, t1), max(t0, t1)), t1))
-    return Course(t0, t1, first, 0, marks if t1 > t0 else marks[::-1].copy(), wanted)
+    return Course(t0, t1, first, 0, marks if t1 > t0 else marks[::-1].copy(), wanted, streamed)
 
 
 def lay_grid(
@@ -144,10 +144,10 @@ def lay_grid(
         wanted = _wanted_times(t_eval, t0, t1)
         save_steps, on_grid = _steps_before(wanted, t0, h, n_steps)
         if on_grid.all() and (np.diff(save_steps) > 0).all():
-            return Grid(t0, t1, h, n_steps, save_steps, wanted)
+            return Grid(t0, t1, h, n_steps, save_steps, wanted, streamed=streamed)
         save_steps = np.unique(save_steps)
         times = np.where(save_steps == n_steps, t1, t0 + save_steps * h)
-        return Grid(t0, t1, h, n_steps, save_steps, times, wanted)
+        return Grid(t0, t1, h, n_steps, save_steps, times, wanted, streamed=streamed)
     every = _stride(save_every)
     if streamed:
         nothing = np.zeros(0)

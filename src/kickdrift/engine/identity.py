@@ -48,7 +48,7 @@ def identity_of(
     varies = isinstance(grid, Course)
     rows: list[Any] = [grid.stride, grid.wanted, grid.streamed] if isinstance(grid, Course) else []
     if isinstance(grid, Grid) and grid.streamed:
-        rows = [grid.every]
+        rows = [grid.every, grid.times if grid.wanted is None else grid.wanted]
     return {
         "problem": digest(written(problem)),
         "t_span": repr((grid.t0, grid.t1) if varies else grid.t0),

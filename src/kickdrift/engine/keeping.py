@@ -92,9 +92,11 @@ def find(
 
 def _names_of_rows(grid: Grid | Course) -> list[str]:
     """Return the sorted names of the arrays of rows."""
+    at_times = grid.stride == 0 if isinstance(grid, Course) else grid.every is None
+    stored = ["spent"] * at_times + ["stored"] if grid.streamed else []
     if isinstance(grid, Course):
-        return ["sizes", *["stored"] * grid.streamed, "ts", "vs", "xs"]
-    return ["stored" if grid.streamed else "steps", "vs", "xs"]
+        return ["sizes", *stored, "ts", "vs", "xs"]
+    return [*(stored or ["steps"]), "vs", "xs"]
 
 
 def _state_of(arrays: Arrays, blank: State) -> State:

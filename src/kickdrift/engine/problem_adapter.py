@@ -43,7 +43,7 @@ class Adapter:
     @property
     def args(self) -> Floats:
         """The params of the functions adapted so far: the user's, and the numbers of the functions themselves."""
-        return np.concatenate([self.users_args, *self.numbers])
+        return np.concatenate([self.users_args, *self.numbers]) if self.numbers else self.users_args
 
     def adapt(
         self,
@@ -174,12 +174,12 @@ class Adapter:
                 f"{name} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
                 f" {str(error).rstrip('.')}. It must return {wanted}."
             ) from error
-        if "out" in names and not np.array_equal(out, other, equal_nan=True):
+        if "out" in names and out.tobytes() != other.tobytes() and not np.array_equal(out, other, equal_nan=True):
             raise ArgumentError(
                 f"{name} leaves elements of `out` unchanged, or adds to them; it must overwrite all of them."
             )
         for label, kept, array in zip(("x", "v", "params"), (x, second, self.args), given, strict=True):
-            if not np.array_equal(kept, array):
+            if kept.tobytes() != array.tobytes():
                 raise ArgumentError(f"{name} modifies {label}; work on a copy.")
 
 

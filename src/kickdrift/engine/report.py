@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -53,7 +52,6 @@ def report(
 ) -> Solution:
     """Return the solution of a run, with the continuation that `continuation` makes."""
     task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
-    once = cache(between)  # for the rows; the solution has one for each call, since threads may use it
     system, grid, rows = task.system, task.grid, journey.run.rows
     early, message, standing = (
         not ending.outcome.success,
@@ -70,12 +68,12 @@ def report(
         if isinstance(grid, Course) and t.size and t[-1] != end:  # the state before that step is always a row
             kept.steps[-1] = end - t[-1]
         kept = kept.followed_by(end, ending.stop.x, ending.stop.v, grid.step)
-    dense = None if journey.store else _dense(system, grid, once, end, kept)
+    dense = None if journey.store else _dense(system, grid, between, end, kept)
     if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
         try:  # the last step leads beyond the end, so take a part of it
             x, v, own = dense.states_at(np.array([end]))
             kept, evaluations = kept.followed_by(end, x[0], v[0], grid.step), evaluations + own
-            dense = _dense(system, grid, once, end, kept)
+            dense = _dense(system, grid, between, end, kept)
         except (Exception, KeyboardInterrupt) as error:
             message += f" The rows end before it, since {type(error).__name__} was raised: {error}."
     t, xs, vs, _ = kept
@@ -106,7 +104,7 @@ def report(
         saved_to=str(journey.store.path) if journey.store else "",
         derived=_derived(system, grid, ending.step_range, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
-        dense=dense and replace(dense, compile=between),
+        dense=dense,
         continuation=None if journey.store else continuation(task, standing, journey.run.ended),
         step_range=ending.step_range,
         n_rejected=ending.trials - ending.n_steps,

@@ -122,7 +122,8 @@ class GridRows:
 
     def times(self, rows: int, step: int, early: bool) -> Floats:
         """Return the times of the rows of a run that ended after a step."""
-        t = np.append(self.grid.times, self.grid.times[-1])[:rows]
+        times = self.grid.times
+        t = times[:rows].copy() if rows <= times.size else np.append(times, times[-1])
         if early and rows:  # the last row is the end, whether or not on the grid of rows
             t[-1] = self.time(step)
         return t

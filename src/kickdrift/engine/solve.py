@@ -87,7 +87,8 @@ def solve(
         the method that takes the least time, or nearly so, for errors between 1e-3 and 1e-9 at the end; for non-separable
         Hamiltonians that is `dop853`, whose energy drifts.
     t_eval : array_like, optional
-        Times to keep, any in `t_span`, in any order. States between two steps are interpolated as by ``solution(t)``.
+        Times to keep, any in `t_span`, in any order; with `save_to` in that of the run. States between two steps are
+        computed as by ``solution(t)``.
     save_every : int, optional
         Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
     events : callable or list of callable, optional

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import systems
-from kickdrift.core.arguments import reals
+from kickdrift.core.arguments import all_finite, reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.problem import Problem
@@ -69,7 +69,7 @@ def _floats(name: str, value: ArrayLike | None) -> Floats:
         raise ArgumentError(
             f"{name}={value!r} is not an array of numbers: {error}; give a number, list or array."
         ) from None
-    if not np.isfinite(array).all():
+    if not all_finite(array):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise ArgumentError(f"{name} is {array[where]} at index {where}; the initial state must be finite.")
     return array
@@ -91,6 +91,6 @@ def parameters(args: Sequence[float] | None) -> Floats:
         ) from None
     if params.ndim != 1:
         raise ArgumentError(f"args has shape {params.shape}; give a flat list of numbers.")
-    if not np.isfinite(params).all():
+    if not all_finite(params):
         raise ArgumentError(f"args={args!r} must be finite.")
     return params

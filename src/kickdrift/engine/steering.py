@@ -78,7 +78,9 @@ class Steering:
         ArgumentError
             As `kickdrift.engine.problem_adapter.describe`.
         """
-        params = np.append(adapter.users_args, sides_at(self.switches, problem, adapter))
+        params = adapter.users_args
+        if self.switches is not None:
+            params = np.append(params, sides_at(self.switches, problem, adapter))
         return describe(problem, adapter.t0, start, params, adapter.compile_, adapter.check_bounds)
 
     def ready(

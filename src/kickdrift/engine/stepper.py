@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import all_finite
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function, load
 from kickdrift.core.heap import keep_freed_memory
-from kickdrift.core.memory import state_block
+from kickdrift.core.memory import start_of_array, state_block
 from kickdrift.engine import letters, loop
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.flows.layout import FORMED, aligned_copy, lay_out
@@ -73,7 +74,7 @@ class State:
     @property
     def finite(self) -> bool:
         """Whether all positions and velocities are finite."""
-        return bool(np.isfinite(self.x).all() and np.isfinite(self.v).all())
+        return all_finite(self.x) and all_finite(self.v)
 
 
 class Loops(NamedTuple):
@@ -254,4 +255,4 @@ def compile_program(
     if controller is not None:
         load(loop.advance_adaptively, loop.ADVANCE_ADAPTIVELY)
     alive = built, functions, block, members
-    return Stepper(program, grid.t0, grid.step, state, estimates, flows, block.ctypes.data, _COMPILED, alive)
+    return Stepper(program, grid.t0, grid.step, state, estimates, flows, start_of_array(block), _COMPILED, alive)

@@ -55,7 +55,7 @@ class StreamedCourseRows(StreamedRows, CourseRows):
         self._store.go_on(self.first)
         return super().go_on(kept, step, mark)
 
-    def full_after(self) -> int:
+    def full_after(self, step: int) -> int:
         """Return the step after which a chunk is full."""
         return (self.first + self._store.chunk - 1) * self.grid.stride + 1
 

@@ -63,8 +63,8 @@ class StreamedRows(ABC):
         """Make room for a chunk of the store."""
 
     @abstractmethod
-    def full_after(self) -> int:
-        """Return the step after which a chunk is full."""
+    def full_after(self, step: int) -> int:
+        """Return the step after which a chunk is full, of a run that has done `step`."""
 
     @abstractmethod
     def drain(self, mark: Mark) -> None:
@@ -133,7 +133,7 @@ class StreamedGridRows(StreamedRows, GridRows):
             rows += 1
         return Mark(self.first + rows, 0, step)
 
-    def full_after(self) -> int:
+    def full_after(self, step: int) -> int:
         """Return the step after which a chunk is full."""
         return min(self.grid.n_steps, (self.first + self._store.chunk - 1) * self._every)
 
@@ -196,8 +196,10 @@ def store_of(path: Any, grid: Grid | Course, identity: Mapping[str, str], again:
     """
     if path is None:
         return None
-    if (grid.every if isinstance(grid, Grid) else grid.stride or None) is None:
-        raise ArgumentError(f"save_to={str(path)!r} and t_eval are both given; give save_every, or leave save_to out.")
+    if grid.wanted is not None and (np.sign(grid.step) * np.diff(grid.wanted) < 0.0).any():
+        raise ArgumentError(
+            f"save_to={str(path)!r} needs t_eval in the order of the run, from t={grid.t0!r} to {grid.t1!r}; sort the times."
+        )
     store = ZarrStore(path, digest((sorted(identity.items()), f"{grid.step:.9g}")))
     store.check(again)
     return store

@@ -24,6 +24,8 @@ from kickdrift.engine.rows import CourseRows, GridRows, Rows
 from kickdrift.engine.run import Ending, Failure, Run
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.streamed_course import StreamedCourseRows
+from kickdrift.engine.streamed_course_times import StreamedCourseTimes
+from kickdrift.engine.streamed_times import StreamedGridTimes
 from kickdrift.engine.streaming import StreamedGridRows, StreamedRows
 from kickdrift.engine.table_ranges import Tables
 from kickdrift.engine.zarr_store import ZarrStore
@@ -170,7 +172,10 @@ class Journey:
         if self.store is not None:
             to_disk = self.store, self.task.description
             if isinstance(grid, Course):
-                return StreamedCourseRows(self.processing, grid, *to_disk, self.between)
+                kind = StreamedCourseRows if grid.stride else StreamedCourseTimes
+                return kind(self.processing, grid, *to_disk, self.between)
+            if grid.every is None:
+                return StreamedGridTimes(self.processing, grid, *to_disk, self.between)
             return StreamedGridRows(self.processing, grid, *to_disk)
         if isinstance(grid, Course):
             return CourseRows(kernel, grid)
@@ -184,7 +189,7 @@ class Journey:
                 first, began = run.step, time.perf_counter()
                 due = until = sys.maxsize if self._checkpoints is None else self._checkpoints.until(first, sys.maxsize)
                 if isinstance(run.rows, StreamedRows):
-                    until = min(due, run.rows.full_after())
+                    until = min(due, run.rows.full_after(first))
                 failure = run.go(bar, started, until)
                 if self._checkpoints is not None:
                     self._checkpoints.pace(run.step - first, time.perf_counter() - began)

@@ -100,5 +100,11 @@ class ZarrStore(ZarrGroup):
             self._commit()
         self.rows = end
 
+    def rows_at(self, which: NDArray[np.intp]) -> tuple[NDArray[np.float64], ...]:
+        """Return time, x and v of some rows."""
+        names = ("time", "x", "v") if "v" in self._group else ("time", "x")
+        rows = [np.asarray(self._group[name].get_orthogonal_selection(which)) for name in names]
+        return (*rows, *[np.zeros((len(which), 0))] * (3 - len(rows)))
+
     def _along_time(self) -> Iterator[tuple[str, Any]]:
         return ((name, array) for name, array in self._group.arrays() if array.metadata.dimension_names[0] == "time")

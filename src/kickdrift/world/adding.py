@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.arguments import choice, number, unit_quaternion, vector
 from kickdrift.world.atomic import undivided
 from kickdrift.world.bodies import Bodies, kind_of
@@ -20,7 +21,7 @@ from kickdrift.world.joints.registry import Joints
 from kickdrift.world.layout import DYNAMIC, STATIC
 from kickdrift.world.mass_properties import mass_properties_of
 from kickdrift.world.part import Part, surface_of
-from kickdrift.world.shape_rows import Placed, ShapeRows
+from kickdrift.world.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.sleeping import REACH
@@ -40,6 +41,7 @@ class AddsBodies:
     shape_rows: ShapeRows
 
     @undivided
+    @shows_parameters_of(Surface)
     def add_body(
         self,
         shapes: Shape | Sequence[Part],

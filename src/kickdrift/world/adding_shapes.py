@@ -6,6 +6,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import turn_to
 from kickdrift.world.body import Body
@@ -19,10 +20,16 @@ from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere
 
+_OF_MOVABLE = (
+    "velocity", "angular_velocity", "density", "mass", "inertia", "centre", "static", "kinematic", "damping", "angular_damping",
+    "locked_rotation",
+)  # fmt: skip
+
 
 class AddsShapes(AddsBodies):
     """The methods of a world that add a body of one shape."""
 
+    @shows_parameters_of(AddsBodies.add_body)
     def add_sphere(self, radius: float, **options: Any) -> Body:
         """Add a ball with a radius in m; options as in `add_body`.
 
@@ -36,6 +43,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Sphere(radius), **options)
 
+    @shows_parameters_of(AddsBodies.add_body)
     def add_capsule(self, radius: float, length: float, **options: Any) -> Body:
         """Add a cylinder along z with hemispherical caps; options as in `add_body`.
 
@@ -54,6 +62,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Capsule(radius, length), **options)
 
+    @shows_parameters_of(AddsBodies.add_body)
     def add_cylinder(self, radius: float, length: float, **options: Any) -> Body:
         """Add a cylinder about z, centred at its origin, with a radius and a length in m; options as in `add_body`.
 
@@ -67,6 +76,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Cylinder(radius, length), **options)
 
+    @shows_parameters_of(AddsBodies.add_body)
     def add_cone(self, radius: float, length: float, **options: Any) -> Body:
         """Add a cone about z with a radius and a length in m; options as in `add_body`.
 
@@ -82,6 +92,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Cone(radius, length), **options)
 
+    @shows_parameters_of(AddsBodies.add_body)
     def add_box(self, size: ArrayLike, **options: Any) -> Body:
         """Add a box with three full edge lengths in m; options as in `add_body`.
 
@@ -95,6 +106,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Box(size), **options)
 
+    @shows_parameters_of(AddsBodies.add_body)
     def add_hull(self, points: ArrayLike, **options: Any) -> Body:
         """Add the convex hull of (N, 3) points in m; options as in `add_body`.
 
@@ -110,6 +122,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Hull(points), **options)
 
+    @shows_parameters_of(AddsBodies.add_body, ("position", "orientation", *_OF_MOVABLE))
     def add_plane(
         self, normal: ArrayLike = (0.0, 0.0, 1.0), point: ArrayLike = (0.0, 0.0, 0.0), **options: Any
     ) -> Body:
@@ -136,6 +149,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Plane(), position=point, orientation=turn_to(normal), static=True, **options)
 
+    @shows_parameters_of(AddsBodies.add_body, _OF_MOVABLE)
     def add_mesh(self, vertices: ArrayLike, faces: ArrayLike, **options: Any) -> Body:
         """Add an immovable triangle mesh.
 
@@ -158,6 +172,7 @@ class AddsShapes(AddsBodies):
         """
         return self.add_body(Mesh(vertices, faces), static=True, **options)
 
+    @shows_parameters_of(AddsBodies.add_body, _OF_MOVABLE)
     def add_height_field(self, heights: ArrayLike, spacing: float, **options: Any) -> Body:
         """Add an immovable height field.
 

@@ -12,6 +12,7 @@ from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.filters import HIGH_BODY, LOW_BODY
 from kickdrift.world.collision.search_state import NEW, SOUGHT_ANEW
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.file_tables import FileTables
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.catalogue import KINDS as JOINT_KINDS
 from kickdrift.world.layout import (
@@ -44,41 +45,6 @@ _STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING
 _SETTINGS = s.RESIDUAL  # columns before this one are settings
 
 
-class Rows:
-    """The tables of a file by their names, and checks of their numbers.
-
-    Raises
-    ------
-    ValueError
-        By every method that checks, if the condition does not hold.
-    """
-
-    def __init__(self, tables: Mapping[str, NDArray[Any]]) -> None:
-        self._tables = tables
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._tables[name]
-
-    def count(self, name: str, wanted: int) -> None:
-        """Check that a table has a number of rows."""
-        if len(self[name]) != wanted:
-            raise ValueError(f"table {name} has {len(self[name])} rows, but other tables require {wanted}")
-
-    def within(self, name: str, first: int, least: int, most: int, size: int = 1, of: Any = slice(None)) -> None:
-        """Check that `size` columns from `first` on are between two numbers, in all rows or in those of a selection."""
-        values = self[name][of, first : first + size]
-        wrong = ~((values >= least) & (values <= most))  # NaN is wrong, too
-        if wrong.any():
-            raise ValueError(
-                f"table {name} has {values[wrong][0]} in column {first}, where values are from {least} to {most}"
-            )
-
-    def holds(self, name: str, column: int, true: Any) -> None:
-        """Check that a condition on a column, which `true` holds for each row, is met."""
-        if not np.all(true):
-            raise ValueError(f"table {name} has a number in column {column} that is inconsistent with the others")
-
-
 def check(tables: Mapping[str, NDArray[Any]]) -> None:
     """Check the tables of a world.
 
@@ -93,7 +59,7 @@ def check(tables: Mapping[str, NDArray[Any]]) -> None:
     ValueError
         If an index in them is out of range, or a number is invalid or inconsistent with others.
     """
-    rows = Rows(tables)
+    rows = FileTables(tables)
     _check_bodies(rows)
     _check_shapes(rows)
     _check_contacts(rows)
@@ -102,7 +68,7 @@ def check(tables: Mapping[str, NDArray[Any]]) -> None:
     check_cloths(rows)
 
 
-def _check_bodies(rows: Rows) -> None:
+def _check_bodies(rows: FileTables) -> None:
     count = len(rows["POSE"])
     for name in _OF_BODIES:
         rows.count(name, count)
@@ -118,7 +84,7 @@ def _check_bodies(rows: Rows) -> None:
     rows.within("INVERSE_MASS", 0, 0, 0, size=7, of=rows["BODY"][:, BODY_KIND] != DYNAMIC)
 
 
-def _check_shapes(rows: Rows) -> None:
+def _check_shapes(rows: FileTables) -> None:
     shapes, kinds = rows["SHAPE"], rows["BODY"][:, BODY_KIND]
     rows.count("PLACED", len(shapes))
     rows.count("BOUNDS", len(shapes))
@@ -134,7 +100,7 @@ def _check_shapes(rows: Rows) -> None:
     rows.holds("BOUNDS", 0, finite)
 
 
-def _check_contacts(rows: Rows) -> None:
+def _check_contacts(rows: FileTables) -> None:
     contacts, shapes, n_bodies = rows["CONTACT"], rows["SHAPE"], len(rows["BODY"])
     rows.count("MANIFOLD", len(contacts))
     for column in (c.SHAPE_A, c.SHAPE_B):
@@ -164,7 +130,7 @@ def _check_contacts(rows: Rows) -> None:
     rows.holds("CONTACT", c.TRIANGLE_INDEX, (triangle >= 0) & (triangle < triangles_of(one[surface, SIZE])))
 
 
-def _check_joints(rows: Rows) -> None:
+def _check_joints(rows: FileTables) -> None:
     joints, kinds = rows["JOINT"], rows["BODY"][:, BODY_KIND]
     rows.count("JOINT_NUMBERS", len(joints))
     rows.count("JOINT_AXES", 6 * len(joints))
@@ -200,7 +166,7 @@ def _angles_fit(joints: NDArray[np.int64]) -> NDArray[np.bool_]:
     return fit
 
 
-def _check_settings(rows: Rows) -> None:
+def _check_settings(rows: FileTables) -> None:
     rows.count("SETTINGS", 1)
     rows.count("STEP_STATUS", 1)
     rows.within("STEP_STATUS", STATUS, OK, OK)

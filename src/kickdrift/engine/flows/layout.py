@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of, caller
 from kickdrift.core.compilation import Function, compiled, specialise, unbound
-from kickdrift.core.memory import floats_at, word_in
+from kickdrift.core.memory import floats_at, start_of_array, word_in
 from kickdrift.core.views import part
 
 Floats = NDArray[np.float64]
@@ -183,7 +183,7 @@ def at_end(work: Floats) -> bool:
 def aligned(size: int) -> NDArray[np.int64]:
     """Return zero words aligned to a cache line."""
     room = np.zeros(size + _LINE - 1, dtype=np.int64)
-    start = -(room.ctypes.data // 8) % _LINE
+    start = -(start_of_array(room) // 8) % _LINE
     return room[start : start + size]
 
 
@@ -204,7 +204,7 @@ def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str,
     work[MEMORY] = start
     for name, address in addresses.items():
         words[_slot(name)] = address
-    words[_SCRATCH] = scratch.ctypes.data
+    words[_SCRATCH] = start_of_array(scratch)
     return work
 
 

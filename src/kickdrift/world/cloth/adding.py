@@ -1,11 +1,14 @@
 """Adding cloths to a world, finding them by name, and removing them."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.arguments import choice, direction, unit_quaternion, vector
-from kickdrift.world.cloth.fabric import fabric_of
+from kickdrift.world.cloth.fabric import Fabric, fabric_of
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.mesh import cloth_mesh, grid
 from kickdrift.world.cloth.registry import Cloths
@@ -24,6 +27,7 @@ class AddsCloths:
     cloths: Cloths
     shape_rows: ShapeRows
 
+    @shows_parameters_of(Fabric)
     def add_cloth(
         self,
         vertices: ArrayLike,
@@ -77,6 +81,7 @@ class AddsCloths:
         self.tables.altered = True
         return cloth
 
+    @shows_parameters_of(Fabric)
     def add_cloth_grid(
         self,
         size: ArrayLike = (1.0, 1.0),

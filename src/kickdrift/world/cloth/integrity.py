@@ -1,14 +1,10 @@
 """Checks of the tables of cloths read from a file, since compiled code trusts every index in them."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from kickdrift.world.cloth import layout as c
+from kickdrift.world.file_tables import FileTables
 from kickdrift.world.layout import BODY_KIND, REMOVED
-
-if TYPE_CHECKING:
-    from kickdrift.world.integrity import Rows
 
 _RANGES = (
     ("PARTICLE", c.FIRST_PARTICLE), ("FACE", c.FIRST_FACE), ("COUPLING", c.FIRST_COUPLING), ("CURVED_FACE", c.FIRST_CURVED),
@@ -16,7 +12,7 @@ _RANGES = (
 )  # fmt: skip
 
 
-def check_cloths(rows: "Rows") -> None:
+def check_cloths(rows: FileTables) -> None:
     """Check the tables of cloths.
 
     Raises
@@ -56,7 +52,7 @@ def check_cloths(rows: "Rows") -> None:
     rows.holds("PARTICLE", c.PARTICLE_INVERSE_MASS, rows["PARTICLE"][:, c.PARTICLE_INVERSE_MASS] >= 0.0)
 
 
-def _check_indices(rows: "Rows", name: str, first: int, size: int, own: int, of: int) -> None:
+def _check_indices(rows: FileTables, name: str, first: int, size: int, own: int, of: int) -> None:
     """Check that `size` columns of the rows of each cloth, its range `own`, are indices in its range `of`."""
     cloths, values = rows["CLOTH"], rows[name][:, first : first + size]
     cloth = np.repeat(np.arange(len(cloths)), cloths[:, own + 1] - cloths[:, own])
@@ -64,14 +60,14 @@ def _check_indices(rows: "Rows", name: str, first: int, size: int, own: int, of:
     rows.holds(name, first, (values >= least) & (values < most))
 
 
-def _check_parents(rows: "Rows") -> None:
+def _check_parents(rows: FileTables) -> None:
     """Ask that vertices were split off vertices of the same cloth."""
     counts = np.diff(rows["CLOTH"][:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]], axis=1)[:, 0]
     parents = rows["PARTICLE_REST"][:, c.SPLIT_FROM]
     rows.holds("PARTICLE_REST", c.SPLIT_FROM, (parents >= 0) & (parents < np.repeat(counts, counts)))
 
 
-def _check_couplings(rows: "Rows") -> None:
+def _check_couplings(rows: FileTables) -> None:
     """Check that the couplings of particles are in the range of their cloth, and couple particles of the same cloth."""
     for own in rows["CLOTH"]:
         first, last = own[c.FIRST_PARTICLE], own[c.LAST_PARTICLE]

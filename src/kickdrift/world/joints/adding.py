@@ -1,11 +1,13 @@
 """Adding joints to a world: one line per kind."""
 
+from __future__ import annotations
+
 import functools
-import inspect
 from collections.abc import Callable
 from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.joints.ball import Ball
@@ -25,38 +27,32 @@ from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, Tables
 
 P = ParamSpec("P")
+_NAMES = ("__module__", "__name__", "__qualname__", "__doc__")
 
 
-def _adds(kind: Callable[P, Record]) -> Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint]:
+def _adds(kind: Callable[P, Record]) -> Callable[Concatenate[AddsJoints, Body | None, Body | None, P], Joint]:
     """Make the method of a world that adds a joint of a kind; its arguments after the bodies are those of the record."""
 
-    @functools.wraps(kind, updated=())
-    def add(self: "AddsJoints", body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
+    @shows_parameters_of(kind)
+    @functools.wraps(kind, _NAMES, ())
+    def add(self: AddsJoints, body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
-    _sign(add, kind, ("self", "body_a", "body_b"))
     return cast(Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint], add)
 
 
-def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate["AddsJoints", P], Joint]:
+def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate[AddsJoints, P], Joint]:
     """Make the method of a world that adds a gear, which takes joints instead of bodies."""
 
-    @functools.wraps(kind, updated=())
-    def add(self: "AddsJoints", *args: P.args, **kwargs: P.kwargs) -> Joint:
+    @shows_parameters_of(kind)
+    @functools.wraps(kind, _NAMES, ())
+    def add(self: AddsJoints, *args: P.args, **kwargs: P.kwargs) -> Joint:
         gear = kind(*args, **kwargs)
         for joint in (gear.joint_a, gear.joint_b):
             self.joints.row(joint)
         return self.joints.add(gear, *gear.bodies())
 
-    _sign(add, kind, ("self",))
     return cast(Callable[Concatenate["AddsJoints", P], Joint], add)
-
-
-def _sign(add: Callable[..., Joint], kind: Callable[..., Record], first: tuple[str, ...]) -> None:
-    """Set the signature of a method for documentation: the first arguments, then those of the record."""
-    own = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in first]
-    parameters = [*own, *inspect.signature(kind).parameters.values()]
-    vars(add)["__signature__"] = inspect.Signature(parameters, return_annotation="Joint")
 
 
 class AddsJoints:
