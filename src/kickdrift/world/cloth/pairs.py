@@ -1,8 +1,9 @@
 """Pairs of a vertex and a triangle, and of edges, of cloths that may touch.
 
-Pairs are found where the boxes of triangles overlap (`kickdrift.world.cloth.face_pairs`), each only from the triangles that own the vertex or the edges. They
-remain valid as long as particles follow their predicted paths, at most to the end of the step, so that steps after a snapshot
-have the same bits. Until then only pairs of triangles with a corner that has left its path are sought again.
+Pairs are found where the boxes of triangles overlap (`kickdrift.world.cloth.face_pairs`), each pair only from the triangles
+that own the vertex or the edges. They remain valid as long as particles follow their predicted paths, at most to the end of the
+step, so that steps after a snapshot have the same bits. Until then only pairs of triangles with a corner that has left its path
+are sought again.
 """
 
 import math

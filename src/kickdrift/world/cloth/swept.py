@@ -111,7 +111,7 @@ def find_strays(world: int, part: float) -> int:
                 off = particle[i, k] - path[i, k] - since * path[i, FORESEEN + k]
                 strays = off + part * (particle[i, PARTICLE_VELOCITY + k] - path[i, FORESEEN + k]) + shift[i, k]
                 now, then = now + off * off, then + strays * strays
-            zone[i, IS_STRAY] = int(not max(now, then) <= farthest)
+            zone[i, IS_STRAY] = int(not (now <= farthest and then <= farthest))  # true for NaN
             count += zone[i, IS_STRAY]
     return count
 
