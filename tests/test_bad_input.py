@@ -23,6 +23,14 @@ def _adds_to_out(x, out):
     out[:] -= x
 
 
+async def _awaited(x):
+    return -x
+
+
+def _yields(x):
+    yield -x
+
+
 def _changes_x(x):
     x += 1.0
     return -x
@@ -46,6 +54,8 @@ def _changes_x(x):
         ({"step": np.nan}, "step=nan must be positive"),
         ({"step": np.inf}, "step=inf must be positive"),
         ({"step": "fast"}, "step='fast' must be a number"),
+        ({"step": 10**400}, r"step=10{10,50}\.\.\.0{10,50} must be a number"),
+        ({"t_span": (0.0, 7 * 10**400)}, r"t_span=\(0.0, 70{10,50}\.\.\.0{10,50}\) must be two numbers"),
         ({"step": None}, "step is missing"),
         ({"step": 2.0}, "step=2.0 is larger than t_span"),
         ({"step": 1e-18}, "more than float64 can count"),
@@ -127,6 +137,8 @@ def test_a_return_that_was_forgotten_is_said(x0, compiled):
         (kd.SecondOrder(spring, energy=lambda x: x), "must return one number"),
         (kd.SecondOrder(spring, energy=lambda x, out: 0.0), "does not know"),
         (kd.SecondOrder(spring, energy=3.0), "not a function"),
+        (_awaited, "_awaited is an async function"),
+        (_yields, "_yields is an async function or a generator"),
     ],
 )
 def test_bad_functions(function, says):

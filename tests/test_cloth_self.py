@@ -93,7 +93,7 @@ def test_pairs_that_are_sought_again_around_strays_are_all_that_are_near():
     stray, near = [], 0
     for _ in range(7):
         world.step(STEP)
-        stray.append((world.tables.array(tables.PARTICLE_PATH)[:, layout.FORESEEN_AT] > 0.0).mean())
+        stray.append((world.tables.array(tables.PARTICLE_PATH)[:, layout.PREDICTED_AT] > 0.0).mean())
         pairs = world.tables.array(tables.CLOTH_PAIR)
         vertices = pairs[pairs[:, layout.PAIR_KIND] == VERTEX_FACE, layout.PAIR_PARTICLES :][:, :4]
         known, x = set(map(tuple, vertices.tolist())), np.concatenate((below.position, above.position))

@@ -238,6 +238,8 @@ def test_events_are_kept_in_files(tmp_path):
         (with_attributes(lambda x: x[0], terminal="yes"), "terminal='yes'"),
         (with_attributes(lambda x: x[0], direction="up"), "direction='up'"),
         (with_attributes(lambda x: x[0], direction=np.nan), "direction=nan"),
+        (with_attributes(lambda x: x[0], direction=7), "direction=7; give 1, -1 or 0"),
+        (with_attributes(lambda x: x[0], direction=None), "direction=None"),
         (with_attributes(lambda x: x[0], rate_bound=0.0), "rate_bound=0.0"),
         (with_attributes(lambda x: x[0], rate_bound=np.inf), "rate_bound=inf"),
     ],

@@ -153,3 +153,17 @@ def test_slices_of_an_array_are_assigned_to_others_of_it():
     as_part(moved)(ours, 0.0)
     moved(python, 0.0)
     np.testing.assert_array_equal(ours, python)
+
+
+def test_slices_of_another_shape_are_refused_without_making_texts():
+    def filled(a, b):
+        a[1:] = b
+
+    caller = as_part(filled)
+    with pytest.raises(ValueError, match="array of another shape"):
+        caller(np.zeros(4), np.ones(2))
+    given = np.zeros(4)
+    caller(given, np.arange(3.0))
+    assert given.tolist() == [0.0, 0.0, 1.0, 2.0]
+    [part] = caller.py_func.__closure__[0].cell_contents.overloads.values()
+    assert not any("unicode" in function.name for function in part.library.own_module().functions)

@@ -244,6 +244,19 @@ def test_a_ball_that_a_force_makes_fast_in_one_step_does_not_pass_a_thin_wall():
     assert ball.position[0] == pytest.approx(0.39, abs=2e-3)
 
 
+def test_bodies_that_touch_with_several_shapes_are_one_pair():
+    world = World()
+    vertices = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+    ground = world.add_mesh(vertices, [(0, 1, 2), (0, 2, 3)])
+    legs = [Part(Box((0.2, 0.2, 0.4)), position=(x, 0, 0)) for x in (-0.5, 0.5)]
+    stool = world.add_body(legs, position=(0, 0, 0.2))
+    ball = world.add_sphere(0.1, position=(0, 0.5, 0.1))
+    world.advance(STEP, 3)
+    assert len(world.events) > 2
+    assert {frozenset(pair) for pair in world.touching} == {frozenset((ground, stool)), frozenset((ground, ball))}
+    assert len(world.touching) == 2
+
+
 def test_a_body_in_the_row_of_one_that_was_removed_has_not_its_contacts():
     world = World()
     world.add_plane()

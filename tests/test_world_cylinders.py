@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from colliding import count_contacts
 from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 
 import kickdrift as kd
-from kickdrift.world.collision import PAIRS
 from kickdrift.world.shapes.catalogue import KINDS
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, CONE, CYLINDER, HULL, SPHERE, TRIANGLE
@@ -75,7 +75,7 @@ def test_contacts_are_as_far_apart_as_the_sets_are(first, second):
         pose = np.concatenate((distance * way / np.linalg.norm(way), q / np.linalg.norm(q)))
         gap = apart(points_a, at + pose[:3]) - radius_a - radius_b
         manifold = np.zeros(64)
-        count = PAIRS[first, second](a, b, pose, 0.2, manifold)
+        count = count_contacts((first, second), a, b, pose, 0.2, manifold)
         rows = manifold[8:40].reshape(4, 8)[:count]
         gaps = [manifold[:3] @ (turn @ row[3:6] + pose[:3] - row[:3]) for row in rows]
         exact = first in (SPHERE, CAPSULE)
@@ -97,8 +97,8 @@ def test_a_triangle_is_touched_as_the_box_under_it(kind):
         pose = np.concatenate((rng.uniform(-1.0, 1.0, 2), [height], q))
         below = np.concatenate((pose[:2], [height + 9.0], q))
         flat, solid = np.zeros(64), np.zeros(64)
-        count = PAIRS[TRIANGLE, kind](triangle, numbers, pose, 0.02, flat)
-        assert count == PAIRS[BOX, kind](np.full(3, 9.0), numbers, below, 0.02, solid) > 0
+        count = count_contacts((TRIANGLE, kind), triangle, numbers, pose, 0.02, flat)
+        assert count == count_contacts((BOX, kind), np.full(3, 9.0), numbers, below, 0.02, solid) > 0
         assert flat[:3] == pytest.approx(solid[:3], abs=1e-12)
         rows, others = (m[8:40].reshape(4, 8)[:count] for m in (flat, solid))
         assert rows[:, 3:6] == pytest.approx(others[:, 3:6], abs=1e-9)

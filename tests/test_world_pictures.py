@@ -302,6 +302,21 @@ def test_what_stands_still_has_its_energy_in_a_unit_that_fits(falling, small_pic
     assert energy.lines[2].get_ydata().max() == pytest.approx(93.0, rel=1e-6)
 
 
+def test_no_rays_are_cast_at_what_has_been_removed(monkeypatch):
+    world = kd.World()
+    world.add_sphere(radius=0.1, position=(0, 0, 1), mass=1.0)
+    sheet = world.add_cloth_grid((1.0, 1.0), (3, 3))
+    with world.record() as recording:
+        world.step(0.01)
+        world.remove_cloth(sheet)
+        world.step(0.01)
+    painter, looked_at = Painter(recording, PIXELS), []
+    monkeypatch.setattr("kickdrift.plots.painter.cast", lambda camera, order, *others: looked_at.append(order.size))
+    for row in (0, -1):
+        painter.paint(Pose(recording.x[row], recording.orientation[row], recording.particles[row]))
+    assert looked_at == [9, 9, 1, 1]  # for the camera and for the lamp: the sheet has eight triangles
+
+
 def test_a_plot_shows_the_last_state_with_trails_and_the_energy(falling, tmp_path):
     figure = falling.plot(tmp_path / "falling.png")
     scene, energy = figure.axes

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.world import World
@@ -97,3 +98,23 @@ def test_springs_between_different_depths_are_refused_in_a_plane():
     with pytest.raises(ArgumentError, match="at the same depth"):
         world.add_spring(None, ball, anchor_a=(0, 1, 0), anchor_b=(1, 0, 0), hertz=2.0)
     world.add_spring(None, ball, anchor_a=(0, 0, 0), anchor_b=(1, 0, 0), hertz=2.0)
+
+
+def test_oblique_capsules_that_nearly_lie_on_each_other_slide_alike_to_both_sides():
+    ways = []
+    for side in (1.0, -1.0):
+        world = World(plane_normal=(0, 1, 0))
+        lying = Rotation.from_euler("y", 90, degrees=True)
+        oblique = Rotation.from_euler("z", 0.03 * side) * lying
+        world.add_capsule(0.1, 6.0, static=True, orientation=lying.as_quat(scalar_first=True), friction=0.3)
+        body = world.add_capsule(
+            0.1,
+            0.6,
+            position=(0, 0.12, 0.162),
+            orientation=oblique.as_quat(scalar_first=True),
+            velocity=(side, 0, 0),
+            friction=0.3,
+        )
+        world.advance(STEP, 20)
+        ways.append(side * body.position[0])
+    assert ways[0] == pytest.approx(ways[1], rel=0.02)

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from colliding import count_contacts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
-from kickdrift.world.collision import PAIRS
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
@@ -40,7 +40,7 @@ def collide(triangle, shape, position, orientation=UPRIGHT, margin=MARGIN):
     manifold = np.full(64, np.nan)
     pair = (TRIANGLE, HULL if isinstance(shape, Hull) else BOX)
     pose = np.concatenate((position, orientation))
-    count = PAIRS[pair](np.asarray(triangle, dtype=float), shape.numbers, pose, margin, manifold)
+    count = count_contacts(pair, np.asarray(triangle, dtype=float), shape.numbers, pose, margin, manifold)
     rows = manifold[8:40].reshape(4, 8)[:count]
     on_b = rows[:, 3:6] @ rotation_matrix(orientation).T + position
     assert len(set(rows[:, 6])) == count

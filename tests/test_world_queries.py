@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from colliding import count_contacts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world import tables as t
-from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.bvh import build, fit
 from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
@@ -271,7 +271,9 @@ def touches(scene, kind, numbers, position, turn):
             a, b = (own_kind, own, at, own_numbers), (kind, matrix(turn), position, numbers)
             a, b = (a, b) if own_kind <= kind else (b, a)
             relative = np.concatenate((a[1].T @ (b[2] - a[2]), quaternion(a[1].T @ b[1])))
-            count = PAIRS[a[0], b[0]](np.array(a[3]), np.array(b[3], dtype=float), relative, 0.0, np.zeros(64))
+            count = count_contacts(
+                (a[0], b[0]), np.array(a[3]), np.array(b[3], dtype=float), relative, 0.0, np.zeros(64)
+            )
             if count > 0 and not row[6] and shape not in found:
                 found.append(shape)
     return found
@@ -417,6 +419,17 @@ def test_a_world_answers_with_rows_and_handles():
     assert world.overlap_sphere(0.6, position=(0, 0, 0), layers=[0]) == [floor]
     world.advance(1 / 60, 60)
     assert world.ray_cast((0, 0, 5), (0, 0, -1)).distance == pytest.approx(4.0, abs=0.01)
+
+
+def test_queries_that_need_room_leave_the_status_of_the_step():
+    world = World()
+    world.add_sphere(0.1)
+    world.step(1 / 60)
+    before = world.tables.array(t.STEP_STATUS).copy()
+    for k in range(300):
+        world.add_sphere(0.1, position=(k, 0, 0), static=True)
+    assert world.ray_cast((250, 0, 5), (0, 0, -1)) is not None
+    assert np.array_equal(world.tables.array(t.STEP_STATUS), before)
 
 
 def gap_to_triangle(corners, point):

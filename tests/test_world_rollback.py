@@ -6,7 +6,7 @@ import pytest
 import kickdrift as kd
 from kickdrift.world import stepping
 from kickdrift.world.collision.predicted_path import TURN_ERROR
-from kickdrift.world.contacts.residual import measure
+from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.joints.axis import Motor
 from kickdrift.world.joints.layout import BRAKE
 from kickdrift.world.rollback import roll_back
@@ -69,7 +69,7 @@ def attempt(world):
     stage, status = 0, world.tables.row(STEP_STATUS, 0)
     while True:
         program, word = world._ready(STEP), world.word
-        end = len(program.addresses) - len(word.after) + word.after.index(measure) + 1
+        end = len(program.addresses) - len(word.after) + word.after.index(measure_residual) + 1
         cut = (numbers[:end] for numbers in program[:3])
         _, stage = run(*cut, program.begin, end, world.time, STEP, 0, 1, stage, world.tables.address)
         if status[STATUS] == 0:

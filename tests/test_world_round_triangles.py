@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from colliding import count_contacts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kickdrift.world.collision import PAIRS
 from kickdrift.world.shapes.kinds import CAPSULE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
 
@@ -18,7 +18,7 @@ def collide(kind, triangle, b, pose, margin=0.02):
     """Find the normal, the points on both shapes in the triangle's frame, and the features."""
     manifold = np.full(64, 7.0)
     pose = np.asarray(pose, dtype=float)
-    count = PAIRS[TRIANGLE, kind](np.asarray(triangle, float), b, pose, margin, manifold)
+    count = count_contacts((TRIANGLE, kind), np.asarray(triangle, float), b, pose, margin, manifold)
     rows = manifold[8:40].reshape(4, 8)
     assert (rows[:, 7] == 7.0).all()
     assert (rows[count:] == 7.0).all()

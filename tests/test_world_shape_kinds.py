@@ -12,6 +12,9 @@ from kickdrift.world.collision import PAIRS
 from kickdrift.world.part import Part
 from kickdrift.world.shapes import sphere
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
+from kickdrift.world.shapes.heightfield import HeightField
+from kickdrift.world.shapes.hull import Hull
+from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.record import SOLID, Kind
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import COLLIDERS
@@ -26,6 +29,18 @@ class Torus:
 
 class LooksLikeASphere(Torus):
     kind = Sphere.kind
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]),
+        HeightField(np.zeros((2, 2)), 1.0),
+        Hull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]),
+    ],
+)
+def test_numbers_of_shapes_of_many_triangles_are_computed_once(shape):
+    assert shape.numbers is shape.numbers
 
 
 @pytest.mark.parametrize("shape", [Torus(), LooksLikeASphere(), "sphere", None])

@@ -28,7 +28,7 @@ def test_the_word_says_what_a_step_does():
     assert str(word) == (
         "begin place-shapes begin-forces find-pairs find-points find-heaps colour prepare find-bouncing"
         " (begin-forces kick bounce warm-start solve drift relax)*"
-        " find-missed measure ask-again drop-paths finish store count-unsolved note-touching"
+        " find-missed measure-residual ask-again drop-paths finish store count-unsolved note-touching"
     )
 
 

@@ -184,6 +184,46 @@ def test_a_loop_of_ones_own_goes_to_disk(every, tmp_path):
         looped(pile(), save_to=tmp_path / "run.zarr")
 
 
+def sheets():
+    world = kd.World()
+    for name, x in (("gone", 0.0), ("kept", 2.0)):
+        world.add_cloth_grid((1.0, 1.0), (3, 3), position=(x, 0, 1), name=name)
+    return world
+
+
+def test_what_is_on_disk_of_a_cloth_that_was_removed_ends_then(tmp_path):
+    recordings = []
+    for options in ({}, {"save_to": tmp_path / "run.zarr"}):
+        world = sheets()
+        with world.record(**options) as recording:
+            world.advance(STEP, 2)
+            world.remove_cloth(world.cloth("gone"))
+            world.advance(STEP, 2)
+        recordings.append(recording)
+    same(tmp_path / "run.zarr", recordings[0])
+    particles = xr.open_zarr(tmp_path / "run.zarr").particles.values
+    assert np.isfinite(particles[:3]).all()
+    assert np.isnan(particles[3:, :9]).all()
+    assert np.isfinite(particles[3:, 9:]).all()
+    assert np.array_equal(recordings[1].cloth("kept"), recordings[0].cloth("kept")[[0, -1]])
+
+
+def test_a_cloth_that_has_no_columns_on_disk_is_refused_again(tmp_path):
+    world, made = sheets(), []
+
+    def growing():
+        with world.record(save_every=2, save_to=tmp_path / "run.zarr") as recording:
+            made.append(recording)
+            world.advance(STEP, 3)
+            world.add_cloth_grid((1.0, 1.0), (4, 4), name="late")
+            world.step(STEP)
+
+    with pytest.raises(kd.ArgumentError, match="a cloth was added"):
+        growing()
+    assert made[0].particles.shape == (2, 18, 3)
+    assert [cloth.name for cloth in made[0].appearance.cloths] == ["gone", "kept"]
+
+
 def test_errors_in_a_loop_leave_the_rows_before_them(tmp_path, monkeypatch):
     made = []
 

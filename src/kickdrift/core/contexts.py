@@ -11,8 +11,23 @@ from typing import Any
 from numba import types
 from numba.core.cpu import CPUContext
 from numba.core.typing.context import Context
+from numba.extending import overload
+from numba.np.arrayobj import raise_with_shape_context
 
 _MOST_KNOWN = 20_000  # of 0.5 kB each; a world with joints makes a third of them
+
+
+def _raise_of_shapes(source: Any, target: Any) -> None:
+    """Raise the error of an assignment to a slice from another shape."""
+    raise NotImplementedError
+
+
+@overload(_raise_of_shapes)  # type: ignore[untyped-decorator]
+def _raise(source: Any, target: Any) -> Any:
+    def raise_(source: Any, target: Any) -> None:
+        raise ValueError("a slice is assigned an array of another shape")
+
+    return raise_
 
 
 class Typing(Context):  # type: ignore[misc]
@@ -24,6 +39,13 @@ class Typing(Context):  # type: ignore[misc]
         """Install declarations made since."""
         for registry in tuple(self._registries):
             self.install_registry(registry)
+
+    def resolve_value_type(self, val: Any) -> Any:
+        """Return the type of a value.
+
+        An error whose text tells the shapes takes three times as long to compile as all else in a function with a slice.
+        """
+        return super().resolve_value_type(_raise_of_shapes if val is raise_with_shape_context else val)
 
     def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
         """Return the signature with which a function is called."""

@@ -147,7 +147,8 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
             return
         caller, args = self._caller(), tuple(normalize_signature(sig)[0])
         if args not in caller.overloads:
-            caller.compile(args)
+            with no_collector():
+                caller.compile(args)
             self._insert_new(caller, [args])
             self._loaded[id(sig)] = sig  # equal signatures are not kept: there may be any number of them
 
@@ -168,7 +169,8 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         """Compile, register and return the entry point for types of arguments that are new."""
         caller = self._caller()
         before = len(caller.overloads)
-        entry = caller._compile_for_args(*args, **kws)
+        with no_collector():
+            entry = caller._compile_for_args(*args, **kws)
         self._insert_new(caller, list(caller.overloads)[before:])
         return entry
 

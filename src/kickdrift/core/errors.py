@@ -2,12 +2,16 @@
 
 import difflib
 import inspect
+import re
 from collections.abc import Iterable
 from itertools import takewhile
 
+# Numbers, and lists of them, that are longer than a line
+_LONG_NUMBERS = re.compile(r"[\d\s.,e+\-\[\]()]{120,}")
+
 
 class KickdriftError(Exception):
-    """The base class of all errors that kickdrift raises on purpose.
+    """The base class of all errors that kickdrift raises on purpose; long numbers are shortened in its message.
 
     Examples
     --------
@@ -15,6 +19,13 @@ class KickdriftError(Exception):
     >>> issubclass(kd.ArgumentError, kd.KickdriftError)
     True
     """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(_LONG_NUMBERS.sub(_shortened, message))
+
+
+def _shortened(numbers: re.Match[str]) -> str:
+    return f"{numbers[0][:40]}...{numbers[0][-20:]}"
 
 
 class ArgumentError(KickdriftError, ValueError):

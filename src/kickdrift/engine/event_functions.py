@@ -48,16 +48,19 @@ def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -
         raise ArgumentError(
             f"{name}, has terminal={terminal!r}; give True, False, or the number of the zero that ends the run."
         )
-    for attribute, value, wanted in (
-        ("direction", direction, "1, -1 or 0"),
-        ("rate_bound", bound, "a positive number"),
+    for attribute, value, valid, wanted in (
+        ("direction", direction, _is_real(direction) and direction in (-1, 0, 1), "1, -1 or 0"),
+        ("rate_bound", bound, bound is None or (_is_real(bound) and bound > 0.0), "a positive number"),
     ):
-        is_real = isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
-        if value is not None and not (is_real and (attribute == "direction" or value > 0.0)):
+        if not valid:
             raise ArgumentError(f"{name}, has {attribute}={value!r}; give {wanted}.")
     return Event(
         name, quantity(name, function), int(terminal), float(direction), None if bound is None else float(bound)
     )
+
+
+def _is_real(value: Any) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
 
 
 def check_path(events: tuple[Event, ...], system: System) -> None:

@@ -41,9 +41,9 @@ _NO_STEP = {
         " zero. Leave some clearance, or use a lower restitution."
     ),
     CHATTERING: (
-        " There the force on both sides of a switch leads back to it: the motion stays on it, as in dry friction at rest"
-        " or sliding control, and switches= only crosses. Give a force that is continuous there, such as tanh(v / 1e-3)"
-        " for the side, without switches; friction on a surface is kd.Impacts(..., friction=...)."
+        " There the force on both sides of a switch leads back to it, and the motion slides along it, as in dry friction"
+        " at rest. That needs a force linear in the side, which is then a number between -1 and 1: write"
+        " -0.2 * params[-1], and not -0.2 if params[-1] > 0 else 0.2."
     ),
     NOT_HELD: (
         " A resting body cannot be kept on all its surfaces: they leave no room, or curve too much within a step."

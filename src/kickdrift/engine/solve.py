@@ -103,8 +103,9 @@ def solve(
     switches : callable, optional
         A function of the state, a number or an array, at whose zeros the force law changes: steps are cut there, so that the
         method keeps its order. The sides, 1 or -1, on which the step lies are appended to the ``params`` of the force;
-        discontinuous forces must use these, since a step looks beyond its end before it is cut. A run ends where the forces of
-        both sides lead back to a switch, as in dry friction at rest.
+        discontinuous forces must use these, since a step looks beyond its end before it is cut. Where the forces of both
+        sides lead back to a switch, as in dry friction at rest, the motion slides along it, by Filippov's rule and to second
+        order: the side is then a number between -1 and 1, in which the force has to be linear, as in ``-0.2 * params[-1]``.
     step_control : optional
         What determines the size of each step: a step density, which is a function of the state, ``"distance"``,
         ``"acceleration"`` or ``"own"``, for reversible steps by `kickdrift.HairerSoderlind`; or an instance of that class,

@@ -26,6 +26,16 @@ from kickdrift.systems.problem import name_of
 Floats = NDArray[np.float64]
 
 
+# Bits of functions that take any number of arguments, or return what has to be awaited or iterated over
+_NOT_PLAIN = (
+    inspect.CO_VARARGS
+    | inspect.CO_VARKEYWORDS
+    | inspect.CO_GENERATOR
+    | inspect.CO_COROUTINE
+    | inspect.CO_ASYNC_GENERATOR
+)
+
+
 def _plain_names(python: Any) -> list[str]:
     """Return the names of arguments that a look at the code tells, 15 us sooner than a signature; none if it does not."""
     if (
@@ -35,7 +45,7 @@ def _plain_names(python: Any) -> list[str]:
     ):
         return []
     code = python.__code__
-    others = code.co_kwonlyargcount or code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS)
+    others = code.co_kwonlyargcount or code.co_flags & _NOT_PLAIN
     return [] if others else list(code.co_varnames[: code.co_argcount])
 
 
@@ -47,7 +57,7 @@ def argument_names(
     Raises
     ------
     ArgumentError
-        If it is not a function, has no signature, or has other arguments than those allowed.
+        If it is not a function, returns no numbers, has no signature, or has other arguments than those allowed.
     """
     if not callable(function):
         raise ArgumentError(
@@ -56,6 +66,12 @@ def argument_names(
     python = getattr(function, "py_func", function)
     if (plain := _plain_names(python)) and set(plain) <= set(allowed):
         return plain
+    kinds = inspect.iscoroutinefunction, inspect.isgeneratorfunction, inspect.isasyncgenfunction
+    if any(is_kind(python) for is_kind in kinds):
+        raise ArgumentError(
+            f"{role} {name_of(python)} is an async function or a generator, whose calls return no numbers; give a function"
+            " defined with def that returns them."
+        )
     try:
         parameters = inspect.signature(python).parameters.values()
     except (TypeError, ValueError):

@@ -17,7 +17,8 @@ def report(recording: Recording) -> str:
         ("world", about.system),
         ("bodies", f"{recording.moving.size} that move, {len(looks.parts)} shapes"),
         ("span", f"{recording.t[0]:.6g} to {recording.t[-1]:.6g} s"),
-        ("step", f"{recording.step:.6g} s: {about.word}"),
+        ("step", f"{recording.step:.6g} s"),
+        *_stages(about.word),
         ("steps", f"{recording.n_steps}, {kept}"),
     ]
     if recording.n_steps:
@@ -39,9 +40,17 @@ def report(recording: Recording) -> str:
     if moved.size:
         body = int(recording.moving[int(np.argmax(moved))])
         called = f", {looks.names[body]!r}" if body in looks.names else ""
-        rows.append(("farthest way", f"{moved.max():.4g} m, body {body}{called}"))
+        rows.append(("displacement", f"{moved.max():.4g} m at most, body {body}{called}"))
     rows.append(("outcome", recording.message))
     return lines(rows)
+
+
+def _stages(word: str) -> list[tuple[str, str]]:
+    """Return the names of the stages of a step, from its word: ``begin find-pairs (kick drift)* finish``."""
+    before, _, rest = word.partition("(")
+    substep, _, after = rest.partition(")*")
+    parts = (("stages before", before), ("stages of substeps", substep), ("stages after", after))
+    return [(when, ", ".join(stages.split()).replace("-", " ")) for when, stages in parts]
 
 
 def _change(values: NDArray[np.float64], unit: str) -> str:

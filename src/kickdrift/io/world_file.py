@@ -18,8 +18,7 @@ from kickdrift.world.arguments import vector
 from kickdrift.world.cloth.layout import CLOTH_GENERATION
 from kickdrift.world.cloth.winds import force_or_wind_of
 from kickdrift.world.integrity import check
-from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND
-from kickdrift.world.joints.layout import REMOVED as REMOVED_JOINT
+from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, REMOVED, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.layout import GENERATION as BODY_GENERATION

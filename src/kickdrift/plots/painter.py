@@ -99,9 +99,11 @@ class Painter:
         return self._picture.copy()
 
     def _nearest_first(self, sight: Sight, camera: Camera) -> NDArray[np.intp]:
-        """Sort the shapes that are no planes by how far away they are."""
+        """Sort the shapes that are no planes by how far away they are; those that have been removed are nowhere."""
         middles = sight.places[self.scenery.n_planes :, MIDDLE:REACH]
-        return self.scenery.n_planes + np.argsort((middles - camera.eye) @ camera.ahead, kind="stable")
+        far = (middles - camera.eye) @ camera.ahead
+        there = np.flatnonzero(np.isfinite(far))
+        return self.scenery.n_planes + there[np.argsort(far[there], kind="stable")]
 
 
 class _Film:

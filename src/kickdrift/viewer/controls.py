@@ -7,7 +7,7 @@ from typing import Any
 
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.layout import ANGULAR, JOINT_KIND, REMOVED, SWING_TWIST
+from kickdrift.world.joints.layout import ANGULAR, JOINT_KIND, REMOVED_JOINT, SWING_TWIST
 from kickdrift.world.tables import JOINT
 from kickdrift.world.world import World
 
@@ -108,7 +108,7 @@ def driven_axes(world: World) -> list[tuple[str, Joint, int]]:
     """Return the axes whose drives pull to a target that can be changed: what to call each, its joint, and which it is."""
     found = []
     for row, columns in enumerate(world.tables.array(JOINT)):
-        if columns[JOINT_KIND] == REMOVED:
+        if columns[JOINT_KIND] == REMOVED_JOINT:
             continue
         joint = world.joints.handle(row)
         last = 3 if columns[ANGULAR] == SWING_TWIST else 6

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from kickdrift.core.rotations import turned
 from kickdrift.world.body import Body
-from kickdrift.world.joints.layout import BODY_A, BODY_B, JOINT_KIND, REMOVED
+from kickdrift.world.joints.layout import BODY_A, BODY_B, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.layout import BODY_KIND, DYNAMIC, MASS
 from kickdrift.world.tables import BODY, INERTIA, JOINT
 from kickdrift.world.world import World
@@ -80,7 +80,7 @@ def _joined_mass(world: World, body: Body) -> float:
     """Return the mass of a body and of all that joints hold to it, kg."""
     moves = world.tables.array(BODY)[:, BODY_KIND] == DYNAMIC
     joints = world.tables.array(JOINT)
-    a, b = joints[joints[:, JOINT_KIND] != REMOVED][:, [BODY_A, BODY_B]].T
+    a, b = joints[joints[:, JOINT_KIND] != REMOVED_JOINT][:, [BODY_A, BODY_B]].T
     held = moves[a] & moves[b]
     graph = coo_array((held[held], (a[held], b[held])), shape=(moves.size, moves.size))
     _, islands = connected_components(graph, directed=False)

@@ -23,6 +23,7 @@ from kickdrift.world.layout import (
     DAMPING,
     DYNAMIC,
     GENERATION,
+    INERTIA_KIND,
     INVERSE_INERTIA,
     INVERSE_LINEAR_MASS,
     ISOTROPIC,
@@ -33,7 +34,6 @@ from kickdrift.world.layout import (
     PLANAR,
     POSITION,
     REMOVED,
-    SPHERICAL,
     STATIC,
     TUMBLES,
     TURN_DAMPING,
@@ -176,7 +176,7 @@ class Bodies:
         numbers[[DAMPING, TURN_DAMPING]] = damping
         isotropic = locked or moments[2] - moments[0] < 1e-13 * moments[2]
         planar = tables.array(SETTINGS)[0, PLANE_NORMAL : PLANE_NORMAL + 3].any()
-        numbers[SPHERICAL] = ISOTROPIC if isotropic else PLANAR if planar else TUMBLES
+        numbers[INERTIA_KIND] = ISOTROPIC if isotropic else PLANAR if planar else TUMBLES
         # No orientation equals this one, so the angular momentum is recomputed before the next kick.
         tables.array(KICKED)[row, LEFT_POSE : LEFT_POSE + 4] = 0.0
         if tables.array(BODY)[row, BODY_KIND] == DYNAMIC:

@@ -38,7 +38,7 @@ def widest_gap(tables: Tables) -> float:
     rows, numbers, pose = tables.array(JOINT), tables.array(JOINT_NUMBERS), tables.array(POSE)
     locked = rows[:, joints.LOCKED]
     on_line = (rows[:, joints.LINEAR] == joints.LINE) & (locked & 0b100 != 0)
-    held = (rows[:, joints.JOINT_KIND] != joints.REMOVED) & (on_line | (locked & 0b111 == 0b111))
+    held = (rows[:, joints.JOINT_KIND] != joints.REMOVED_JOINT) & (on_line | (locked & 0b111 == 0b111))
     rows, numbers, lengths = rows[held], numbers[held], np.where(on_line, numbers[:, joints.LENGTH], 0.0)[held]
     ends = []
     for column, anchor in ((joints.BODY_A, joints.ANCHOR_A), (joints.BODY_B, joints.ANCHOR_B)):

@@ -1,6 +1,6 @@
 """Contacts that begin and end."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -114,8 +114,9 @@ def forget_contacts(tables: Tables, body: int) -> None:
     contacts[(contacts[:, c.BODY_A] == body) | (contacts[:, c.BODY_B] == body), c.CONTACT_STATE] &= ~c.TOUCHING
 
 
-def touching(tables: Tables, bodies: Bodies) -> list[Any]:
-    """Return the pairs of bodies that touch."""
+def touching(tables: Tables, bodies: Bodies) -> list[tuple[Body, Body]]:
+    """Return the pairs of bodies that touch, each once, however many of their shapes do."""
     rows_ = tables.array(CONTACT)
-    rows_ = rows_[rows_[:, c.CONTACT_STATE] & c.TOUCHING != 0]
-    return [(bodies.handle(int(row[c.BODY_A])), bodies.handle(int(row[c.BODY_B]))) for row in rows_]
+    touch = rows_[rows_[:, c.CONTACT_STATE] & c.TOUCHING != 0][:, [c.BODY_A, c.BODY_B]].tolist()
+    pairs = {(min(pair), max(pair)): pair for pair in reversed(touch)}
+    return [(bodies.handle(a), bodies.handle(b)) for a, b in reversed(pairs.values())]

@@ -40,6 +40,7 @@ from kickdrift.world.layout import (
     DYNAMIC,
     FALLS,
     IMPACT_TIME,
+    INERTIA_KIND,
     INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
@@ -53,7 +54,6 @@ from kickdrift.world.layout import (
     POSITION,
     REMOVED,
     ROTATION,
-    SPHERICAL,
     SPIN,
     SUBSTEP_FORCE,
     SUBSTEP_TORQUE,
@@ -137,14 +137,14 @@ def kick(t: float, h: float, world: int) -> None:
             motion[body, VELOCITY + k] = keep * (old + h * (settings[0, GRAVITY + k] + pushed))
             kicked[body, KICKED_VELOCITY + k] = motion[body, VELOCITY + k]
             kicked[body, ADDED + k] = motion[body, VELOCITY + k] - old
-        if inertia[body, SPHERICAL] == TUMBLES:
+        if inertia[body, INERTIA_KIND] == TUMBLES:
             follow_pose(world, body)
         torque = vector_at(force, body, SUBSTEP_TORQUE)
         turn = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
         for k in range(3):
             motion[body, ANGULAR_VELOCITY + k] = keep * (motion[body, ANGULAR_VELOCITY + k] + h * turn[k])
-        if inertia[body, SPHERICAL] == TUMBLES:
+        if inertia[body, INERTIA_KIND] == TUMBLES:
             _set_mean_turn(body, h, pose, motion, inertia, kicked)
         for k in range(3):
             kicked[body, KICKED_ANGULAR_VELOCITY + k] = motion[body, ANGULAR_VELOCITY + k]
@@ -224,7 +224,7 @@ def drift(t: float, h: float, world: int) -> None:
             delta_pose[body, DISPLACEMENT + k] += way
         before = quaternion_at(pose, body, ORIENTATION)
         w = vector_at(motion, body, ANGULAR_VELOCITY)
-        turns, way, left = inertia[body, SPHERICAL] == TUMBLES and kind == DYNAMIC, times(h, w), h
+        turns, way, left = inertia[body, INERTIA_KIND] == TUMBLES and kind == DYNAMIC, times(h, w), h
         spin, moments = (0.0, 0.0, 0.0), symmetric_at(inertia, body, BODY_INERTIA)
         if turns:
             won = minus(w, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY))

@@ -26,6 +26,7 @@ from kickdrift.world.layout import (
     HEAP,
     HEAP_SIZE,
     IN_HEAP,
+    REMOVED,
     SEARCH_STATE,
     SECOND_BODY,
     SHAPE_KIND,
@@ -33,7 +34,6 @@ from kickdrift.world.layout import (
     SLEEP_ISLAND,
     STATIC,
 )
-from kickdrift.world.layout import REMOVED as BODY_REMOVED
 from kickdrift.world.shapes.catalogue import KINDS, met_as
 from kickdrift.world.shapes.record import SOLID, SURFACE
 from kickdrift.world.shapes.triangle import triangles_of
@@ -74,7 +74,7 @@ def _check_bodies(rows: FileTables) -> None:
         rows.count(name, count)
     if count == 0:
         raise ValueError("table POSE has no row for the ground")
-    rows.within("BODY", BODY_KIND, BODY_REMOVED, DYNAMIC)
+    rows.within("BODY", BODY_KIND, REMOVED, DYNAMIC)
     rows.within("BODY", BODY_KIND, STATIC, STATIC, of=slice(1))
     rows.within("BODY", AWAKE, 0, 1)
     rows.within("BODY", IN_HEAP, 0, 1)
@@ -91,7 +91,7 @@ def _check_shapes(rows: FileTables) -> None:
     rows.within("SHAPE", BODY_ROW, 0, len(kinds) - 1)
     rows.within("SHAPE", SEARCH_STATE, NEW, SOUGHT_ANEW)
     there = shapes[:, SHAPE_KIND] >= 0
-    rows.holds("SHAPE", BODY_ROW, kinds[shapes[there, BODY_ROW]] != BODY_REMOVED)
+    rows.holds("SHAPE", BODY_ROW, kinds[shapes[there, BODY_ROW]] != REMOVED)
     sorts = np.array([KINDS[kind].sort for kind in shapes[there, SHAPE_KIND].tolist()], dtype=np.int64)
     rows.holds("SHAPE", BODY_ROW, (sorts == SOLID) | (kinds[shapes[there, BODY_ROW]] != DYNAMIC))
     known = there & (shapes[:, SEARCH_STATE] != NEW)
@@ -134,7 +134,7 @@ def _check_joints(rows: FileTables) -> None:
     joints, kinds = rows["JOINT"], rows["BODY"][:, BODY_KIND]
     rows.count("JOINT_NUMBERS", len(joints))
     rows.count("JOINT_AXES", 6 * len(joints))
-    rows.within("JOINT", j.JOINT_KIND, j.REMOVED, len(JOINT_KINDS) - 1)
+    rows.within("JOINT", j.JOINT_KIND, j.REMOVED_JOINT, len(JOINT_KINDS) - 1)
     rows.within("JOINT", j.LINEAR, j.FRAME, j.GEARED)
     rows.within("JOINT", j.ANGULAR, j.RIGID, j.SWING_TWIST)
     rows.within("JOINT", j.PIVOT, 0, 2)
@@ -146,15 +146,15 @@ def _check_joints(rows: FileTables) -> None:
     rows.within("JOINT", j.GEARED_AXES, 0, 5, size=2)
     for column in (j.BODY_A, j.BODY_B):
         rows.within("JOINT", column, 0, len(kinds) - 1)
-    there = joints[joints[:, j.JOINT_KIND] != j.REMOVED]
+    there = joints[joints[:, j.JOINT_KIND] != j.REMOVED_JOINT]
     rows.holds("JOINT", j.BODY_B, there[:, j.BODY_A] != there[:, j.BODY_B])
-    rows.holds("JOINT", j.BODY_A, kinds[there[:, [j.BODY_A, j.BODY_B]]] != BODY_REMOVED)
+    rows.holds("JOINT", j.BODY_A, kinds[there[:, [j.BODY_A, j.BODY_B]]] != REMOVED)
     rows.holds("JOINT", j.LAWS, there[:, j.LAWS] & there[:, j.LOCKED] == 0)
     rows.holds("JOINT", j.LOCKED, _angles_fit(there))
     gears = there[there[:, j.LINEAR] == j.GEARED]
     geared = joints[gears[:, j.GEARED_JOINTS : j.GEARED_JOINTS + 2]]
     rows.holds("JOINT", j.PRINCIPAL, gears[:, j.PRINCIPAL] >= 0)
-    rows.holds("JOINT", j.GEARED_JOINTS, geared[..., j.JOINT_KIND] != j.REMOVED)
+    rows.holds("JOINT", j.GEARED_JOINTS, geared[..., j.JOINT_KIND] != j.REMOVED_JOINT)
     rows.holds("JOINT", j.GEARED_JOINTS, geared[..., j.LINEAR] != j.GEARED)
 
 

@@ -93,7 +93,7 @@ BODY_INERTIA = column(INERTIA, 6, "kg m^2")  # in the body's axes: xx, yy, zz, x
 INVERSE_INERTIA = column(INERTIA, 6, "1/(kg m^2)")
 DAMPING = column(INERTIA, 1, "1/s")
 TURN_DAMPING = column(INERTIA, 1, "1/s")
-SPHERICAL = column(INERTIA)  # one of the three below
+INERTIA_KIND = column(INERTIA)  # one of the three below
 
 # Columns and values of BODY
 BODY_KIND = column(BODY)
@@ -111,5 +111,5 @@ HEAP_UNSOLVED = column(BODY)  # and the largest of their UNSOLVED
 LEFT_FOR = column(BODY)  # number of steps in which it was left unsolved, less those in which it was not
 REMOVED, STATIC, KINEMATIC, DYNAMIC = 0, 1, 2, 3
 
-# Values of SPHERICAL: moments of inertia differ; are equal, or infinite; or differ, but the world is planar.
+# Values of INERTIA_KIND: moments of inertia differ; are equal, or infinite; or differ, but the world is planar.
 TUMBLES, ISOTROPIC, PLANAR = 0.0, 1.0, 2.0

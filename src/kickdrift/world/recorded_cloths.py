@@ -45,15 +45,18 @@ class RecordedCloths:
                 self._drawn[generation] = self._drawn[generation]._replace(name=names.of(row))
         return list(self._drawn.values())
 
-    def changed(self) -> Integers | None:
-        """Return the columns from which those of the world as it is take over; -1 of what is new; None if they are the same.
+    @property
+    def changed(self) -> bool:
+        """Whether a cloth has come, or one has more vertices, since `take_over`."""
+        counts = np.diff(self._world.tables.array(CLOTH)[:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]])[:, 0].tolist()
+        known = [self._drawn.get(generation) for generation in self._generations()]
+        return any(cloth is None or cloth.last - cloth.first != n for cloth, n in zip(known, counts, strict=True))
+
+    def take_over(self) -> Integers:
+        """Give the cloths of the world as it is columns, and return those from which they take over; -1 of what is new.
 
         What was split off a vertex was where this was.
         """
-        counts = np.diff(self._world.tables.array(CLOTH)[:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]])[:, 0].tolist()
-        known = [self._drawn.get(generation) for generation in self._generations()]
-        if all(cloth is not None and cloth.last - cloth.first == n for cloth, n in zip(known, counts, strict=True)):
-            return None
         before, looks = dict(self._drawn), appearance(self._world).cloths
         now = {**before, **dict(zip(self._generations(), looks, strict=True))}
         rows = {generation: row for row, generation in enumerate(self._generations())}
@@ -63,7 +66,7 @@ class RecordedCloths:
             end += count
             self._drawn[generation] = cloth._replace(first=begin, last=end)
             sources.append(self._source(before.get(generation), rows.get(generation), count))
-        return np.concatenate(sources)
+        return np.concatenate([np.zeros(0, dtype=np.int64), *sources])
 
     def put(self, columns: Floats) -> None:
         """Write the positions of the vertices of all cloths, NaN of those that have been removed."""

@@ -49,7 +49,7 @@ class RecordingRows:
 
     def __init__(self, world: "World", room: int) -> None:
         self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world)
-        self._cloths.changed()
+        self._cloths.take_over()
         self.count = self.first = 0
         shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
         shapes |= {name: (room, self._bodies, size) for name, size in _OF_BODIES.items()}
@@ -59,11 +59,11 @@ class RecordingRows:
     def keep(self, t: float) -> None:
         """Add a row with the state of the world, at the time t."""
         world, rows, row = self._world, self._rows, self.count - self.first
-        bodies, columns = len(world.position), self._cloths.changed()
+        bodies = len(world.position)
         if row == len(rows["t"]) or bodies > self._bodies:
             self._grow(max(bodies, self._bodies))
-        if columns is not None:
-            self._rearrange(columns)
+        if self._cloths.changed:
+            self._rearrange(self._cloths.take_over())
         rows["t"][row] = t
         rows["x"][row, :bodies], rows["v"][row, :bodies] = world.position, world.velocity
         rows["orientation"][row, :bodies] = world.orientation
@@ -92,9 +92,8 @@ class RecordingRows:
         LookupError, ValueError
             If they do not fit this world.
         """
-        columns = self._cloths.changed()
-        if columns is not None:
-            self._rearrange(columns)
+        if self._cloths.changed:
+            self._rearrange(self._cloths.take_over())
         for name, values in self._rows.items():
             values[: len(kept["t"])] = kept[name]
         self.count = self.first + len(kept["t"])

@@ -244,7 +244,7 @@ def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:
     """Return lines from the centres of dynamic bodies to their joints, and between the ends of joints with a length."""
     rods: list[Rod] = []
     for joint, numbers in zip(world.tables.array(JOINT), world.tables.array(JOINT_NUMBERS), strict=True):
-        if joint[layout.JOINT_KIND] == layout.REMOVED:
+        if joint[layout.JOINT_KIND] == layout.REMOVED_JOINT:
             continue
         a, b = int(joint[layout.BODY_A]), int(joint[layout.BODY_B])
         on_a = numbers[layout.ANCHOR_A : layout.ANCHOR_A + 3].copy()

@@ -12,9 +12,11 @@ from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
 from kickdrift.world.contacts.residual import LEFT
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
     AWAKE,
     BODY_KIND,
     DYNAMIC,
+    INERTIA_KIND,
     INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     ISOTROPIC,
@@ -24,7 +26,6 @@ from kickdrift.world.layout import (
     LOWER,
     MASS,
     ORIENTATION,
-    SPHERICAL,
     SPIN,
     TUMBLES,
     UNSOLVED,
@@ -87,9 +88,9 @@ def begin(t: float, h: float, world: int) -> None:
             turn = unit(turn)
             for k in range(4):
                 pose[body, ORIENTATION + k] = turn[k]
-        if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, SPHERICAL] != ISOTROPIC:
+        if kind[body, BODY_KIND] == DYNAMIC and kind[body, AWAKE] != 0 and inertia[body, INERTIA_KIND] != ISOTROPIC:
             follow_pose(world, body)
-        if kind[body, BODY_KIND] == DYNAMIC and inertia[body, SPHERICAL] == TUMBLES:
+        if kind[body, BODY_KIND] == DYNAMIC and inertia[body, INERTIA_KIND] == TUMBLES:
             _keep_rotation(world, body)
         for k in range(8):
             delta_pose[body, k] = 0.0
@@ -139,7 +140,7 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
         per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
         pushes = (
             np.abs(motion[:, :3]).max(axis=1),
-            np.abs(motion[:, 3:6]).max(axis=1) * reach,
+            np.abs(motion[:, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]).max(axis=1) * reach,
             np.abs(load[:, :3]).max(axis=1) * per_force * step,
             np.abs(load[:, 3:6]).max(axis=1) * per_torque * step * reach,
         )
@@ -165,7 +166,7 @@ def roll_back(tables: Tables) -> None:
 
 def _roll_back_rotations(tables: Tables) -> None:
     """Bring back what a drift leaves of bodies besides their poses and motions: to the last bit, as after no drift."""
-    tumbles = (tables.array(BODY)[:, BODY_KIND] == DYNAMIC) & (tables.array(INERTIA)[:, SPHERICAL] == TUMBLES)
+    tumbles = (tables.array(BODY)[:, BODY_KIND] == DYNAMIC) & (tables.array(INERTIA)[:, INERTIA_KIND] == TUMBLES)
     kept, kicked, inverse_mass = (tables.array(table) for table in (STARTED_ROTATION, KICKED, INVERSE_MASS))
     for table, first, size, started in (
         (kicked, SPIN, 3, STARTED_SPIN),

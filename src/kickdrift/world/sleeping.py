@@ -14,12 +14,13 @@ TIME = column(RESTED, 1, "s")  # for which a body has been at rest
 ISLAND_TIME = column(RESTED, 1, "s")  # for which its island has
 REACH = column(RESTED, 1, "m")  # radius of its bounding sphere about the centre of mass
 SLEPT_POSE = column(RESTED, 7)  # pose in which it sleeps
+WAKES = column(RESTED, 1)  # 1.0 in the row of an island that is about to be woken
 
 
 @compiled
 def wake_moved(t: float, h: float, world: int) -> None:
     """Wake islands in which the user has moved a body, or given it a velocity or a force, before contacts are sought."""
-    body, load = integers(world, BODY), floats(world, LOAD)
+    body, load, found = integers(world, BODY), floats(world, LOAD), False
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] < KINEMATIC or body[row, AWAKE] != 0:
             continue
@@ -27,21 +28,26 @@ def wake_moved(t: float, h: float, world: int) -> None:
         for k in range(6):
             pushed = pushed or load[row, k] != 0.0
         if pushed and body[row, BODY_KIND] == DYNAMIC:
-            wake_island(world, body[row, SLEEP_ISLAND])
+            mark_island(world, row)
+            found = True
         elif pushed:
             body[row, AWAKE] = 1
+    if found:
+        wake_marked(world)
 
 
 @compiled
 def wake_touched(t: float, h: float, world: int) -> None:
     """Wake islands that a body that is awake touches, or is joined to."""
-    contact, joint = integers(world, CONTACT), integers(world, JOINT)
+    contact, joint, found = integers(world, CONTACT), integers(world, JOINT), False
     for row in range(rows(world, CONTACT)):
         if _is_near(world, row):
-            _wake_one_by_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
+            found = _wakes_other(world, contact[row, c.BODY_A], contact[row, c.BODY_B]) or found
     for row in range(rows(world, JOINT)):
-        if joint[row, j.JOINT_KIND] != j.REMOVED:
-            _wake_one_by_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
+        if joint[row, j.JOINT_KIND] != j.REMOVED_JOINT:
+            found = _wakes_other(world, joint[row, j.BODY_A], joint[row, j.BODY_B]) or found
+    if found:
+        wake_marked(world)
 
 
 @compiled
@@ -65,23 +71,45 @@ def _is_near(world: int, row: int) -> bool:
 
 
 @compiled
-def _wake_one_by_other(world: int, a: int, b: int) -> None:
-    """Wake the island of a body if it sleeps and the other body does not."""
+def _wakes_other(world: int, a: int, b: int) -> bool:
+    """Mark the island of a body if it sleeps and the other body does not; return whether it was marked."""
     body = integers(world, BODY)
-    if body[a, AWAKE] != 0 and body[b, AWAKE] == 0 and body[b, BODY_KIND] == DYNAMIC:
-        wake_island(world, body[b, SLEEP_ISLAND])
-    elif body[b, AWAKE] != 0 and body[a, AWAKE] == 0 and body[a, BODY_KIND] == DYNAMIC:
-        wake_island(world, body[a, SLEEP_ISLAND])
+    awake_a, awake_b = is_awake(world, a), is_awake(world, b)
+    if awake_a and not awake_b and body[b, BODY_KIND] == DYNAMIC:
+        mark_island(world, b)
+        return True
+    if awake_b and not awake_a and body[a, BODY_KIND] == DYNAMIC:
+        mark_island(world, a)
+        return True
+    return False
+
+
+@compiled(inline=True)
+def is_awake(world: int, row: int) -> bool:
+    """Whether a body is awake, or its island is marked."""
+    body = integers(world, BODY)
+    awake: bool = body[row, AWAKE] != 0 or (
+        body[row, BODY_KIND] == DYNAMIC and floats(world, RESTED)[body[row, SLEEP_ISLAND], WAKES] != 0.0
+    )
+    return awake
+
+
+@compiled(inline=True)
+def mark_island(world: int, row: int) -> None:
+    """Mark the island of a sleeping body, for `wake_marked`."""
+    floats(world, RESTED)[integers(world, BODY)[row, SLEEP_ISLAND], WAKES] = 1.0
 
 
 @compiled
-def wake_island(world: int, island: int) -> None:
-    """Wake the bodies of an island."""
+def wake_marked(world: int) -> None:
+    """Wake the bodies of all islands that are marked."""
     body, rested = integers(world, BODY), floats(world, RESTED)
     for row in range(rows(world, BODY)):
-        if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] == 0 and body[row, SLEEP_ISLAND] == island:
+        if body[row, AWAKE] == 0 and is_awake(world, row):
             body[row, AWAKE] = 1
             rested[row, TIME] = 0.0
+    for row in range(rows(world, BODY)):
+        rested[row, WAKES] = 0.0
 
 
 @compiled
@@ -103,7 +131,7 @@ def sleep(t: float, h: float, world: int) -> None:
         if _is_near(world, row):
             _unite(world, contact[row, c.BODY_A], contact[row, c.BODY_B])
     for row in range(rows(world, JOINT)):
-        if joint[row, j.JOINT_KIND] != j.REMOVED:
+        if joint[row, j.JOINT_KIND] != j.REMOVED_JOINT:
             _unite(world, joint[row, j.BODY_A], joint[row, j.BODY_B])
     # The time of rest of an island is the shortest of its bodies, stored with the first.
     for row in range(rows(world, BODY)):

@@ -19,7 +19,7 @@ from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour
 from kickdrift.world.contacts.prepare import prepare
-from kickdrift.world.contacts.residual import measure
+from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
 from kickdrift.world.direct.energy_losses import note_losses
@@ -84,7 +84,7 @@ def word(uses: Uses) -> Word:
     direct = uses.joints or uses.direct
     forces = (begin_forces, *uses.forces)
     substep = (
-        *when(direct and uses.bounces, bounce_islands),
+        *when(direct and (uses.bounces or uses.is_fast), bounce_islands),
         *forces,
         kick,
         *when(uses.bounces or uses.is_fast, bounce),
@@ -126,7 +126,7 @@ def word(uses: Uses) -> Word:
     )
     after = (
         *when(uses.bounces or uses.is_fast, find_missed),
-        measure,
+        measure_residual,
         ask_again,
         *when(uses.bounces or uses.is_fast, drop_paths),
         finish,

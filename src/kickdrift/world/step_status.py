@@ -7,7 +7,7 @@ loop that runs the stages checks the status after each.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
-from kickdrift.world.tables import STEP_STATUS, Table, integers
+from kickdrift.world.tables import STEP_STATUS, Table, Tables, integers
 
 # Columns
 STATUS = column(STEP_STATUS)
@@ -33,6 +33,17 @@ NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `fi
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
 BEGIN_AGAIN = 6  # the step has found out what it needed to know at its start: roll it back, and repeat it
+
+
+_REQUEST = [STATUS, TABLE, ROWS_WANTED, LOST_BODY]
+
+
+def take_request(tables: Tables) -> tuple[int, int, int, int]:
+    """Return the status of a stage that cannot proceed, the table, the rows wanted and the lost body, and clear them."""
+    row = tables.row(STEP_STATUS, 0)
+    status, table, wanted, body = row[_REQUEST].tolist()
+    row[_REQUEST] = OK
+    return status, table, wanted, body
 
 
 @compiled(inline=True)

@@ -178,10 +178,7 @@ class DoesSteps:
 
     def _help(self, step: float, stage: int) -> int:
         """Serve the request of a stage, and return the index of the stage to resume at; raise an error if it reports one."""
-        status = self.tables.row(STEP_STATUS, 0)
-        columns = step_status.STATUS, step_status.TABLE, step_status.ROWS_WANTED, step_status.LOST_BODY
-        kind, table, wanted, body = status[list(columns)].tolist()
-        status[list(columns)] = step_status.OK
+        kind, table, wanted, body = step_status.take_request(self.tables)
         if kind in (step_status.NEEDS_TIME_OF_IMPACT, step_status.NEEDS_DIRECT_SOLVER):
             needed = settings.HAS_DIRECT if kind == step_status.NEEDS_DIRECT_SOLVER else settings.HAS_FAST
             self.tables.array(SETTINGS)[0, needed] = 1.0

@@ -73,7 +73,7 @@ class StreamedRecordingRows(RecordingRows):
         ArgumentError
             If there are more bodies or particles than at the start.
         """
-        if len(self._world.position) > self._bodies or self._cloths.changed() is not None:
+        if len(self._world.position) > self._bodies or self._cloths.changed:
             raise ArgumentError(
                 f"a body or a cloth was added, or a cloth cut, while rows of {self._bodies} bodies are written to"
                 f" save_to={self.saved_to!r}; add it before the recording, or record into memory."

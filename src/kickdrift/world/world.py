@@ -206,7 +206,7 @@ class World(
 
     @property
     def touching(self) -> list[tuple[Body, Body]]:
-        """Pairs of bodies that touch."""
+        """Pairs of bodies that touch, each once."""
         return touching(self.tables, self.bodies)
 
     def step(self, step: float) -> None:

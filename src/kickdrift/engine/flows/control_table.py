@@ -9,6 +9,7 @@ from kickdrift.engine.flows import (
     resting,
     sides,
     sliding,
+    sliding_mode,
     step_density,
     surfaces,
     time_transformation,
@@ -34,6 +35,11 @@ _SURFACES: dict[str, Function] = {
     "hold_on": resting.hold,
     "has_no_other_side": passing.look_around,
     "settle": resting.find_resting,
+}
+
+_SIDES: dict[str, Function] = {
+    "rate_of_switch": sliding_mode.find_rate,
+    "take_equivalent_side": sliding_mode.find_equivalent_side,
 }
 
 CONTROLS = {
@@ -89,13 +95,17 @@ CONTROLS = {
         parts={
             "keep_state": error_control.begin_trial,
             **_SURFACES,
+            **_SIDES,
             "take_ahead": sides.take_sides_ahead,
             "find_sides": sides.take_sides,
         },
         keeps_acceleration=False,
     ),
     "end-between": Flow(cuts.end_between, parts=_SURFACES, moves_x=True, moves_v=True, timed=False),
-    "begin-cut": Flow(cuts.begin_cut, parts={"keep_state": error_control.begin_trial, **_SURFACES}),
+    "begin-cut": Flow(
+        cuts.begin_cut,
+        parts={"keep_state": error_control.begin_trial, **_SURFACES, **_SIDES, "slide": sliding_mode.slide_or_leave},
+    ),
     "end-cut": Flow(
         cuts.end_cut,
         parts={
@@ -109,6 +119,7 @@ CONTROLS = {
             "look_for_passes": passing.look_for_unsigned,
             "cross": impact.cross_switch,
             "stop": sliding.stop_slip,
+            "misses": sliding_mode.miss_switches,
         },
         moves_x=True,
         moves_v=True,

@@ -33,6 +33,7 @@ from kickdrift.engine.flows.layout import (
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
 from kickdrift.engine.flows.sides import show_sides
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
+from kickdrift.engine.flows.sliding_mode import begin_sliding, something_slides
 from kickdrift.engine.flows.surfaces import (
     BEFORE,
     FLIES,
@@ -58,6 +59,8 @@ from kickdrift.engine.flows.surfaces import (
     WHOLE,
     row_of,
     size_of,
+    something_is_hit,
+    something_rests,
 )
 
 Floats = NDArray[np.float64]
@@ -71,10 +74,12 @@ cross: Callable[..., None] = unbound
 stop: Callable[..., None] = unbound
 look_for_passes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
+slide: Callable[..., None] = unbound
+misses: Callable[..., bool] = unbound
 
-FREE, SEARCHING, LAST, SHORTENED = 0.0, 1.0, 2.0, 3.0  # modes
+FREE, SEARCHING, LAST, SHORTENED, SLIDING = 0.0, 1.0, 2.0, 3.0, 4.0  # modes
 _MOST_ROUNDS, _ROUNDING = 200, 2.220446049250313e-16
-_MOST_SHORT = 100.0  # consecutive cuts without time between: both laws lead back to the switch
+_MOST_SHORT = 100.0  # consecutive cuts without time between
 _SLIVER = 1e-9  # of a step: shorter remainders are left out
 
 
@@ -135,24 +140,6 @@ def choose_size(last: float, x: Floats, work: Floats) -> bool:
 
 
 @compiled
-def something_is_hit(work: Floats) -> bool:
-    """Whether a gap has closed, rather than only a slip reversed."""
-    hit, some = row_of(HIT, work), False
-    for row in range(hit.size):
-        some = some or hit[row] != 0.0
-    return some
-
-
-@compiled
-def something_rests(work: Floats) -> bool:
-    """Whether the step was projected back onto a surface."""
-    resting, some = row_of(RESTING, work), False
-    for row in range(resting.size):
-        some = some or resting[row] != FLIES
-    return some
-
-
-@compiled
 def closes_at_once(work: Floats) -> bool:
     """Whether a gap that was touching at the start has closed: then only such gaps count as hit."""
     hit, opens, at_once = row_of(HIT, work), row_of(OPENS, work), False
@@ -185,6 +172,7 @@ def opens_no_more(touches: float, work: Floats) -> bool:
         if hit[row] != 0.0 and switch[row] != 0.0:
             side[row] *= -1.0
             passes = True
+            begin_sliding(row, work)
         elif hit[row] != 0.0:
             row_of(RESTING, work)[row] = RESTS
         hit[row] = 0.0
@@ -220,6 +208,8 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
     """Keep the state, and the gaps if the step is new."""
     keep_state(t, h, x, v, params, work)
     own = own_params(work)
+    if own[MODE] == FREE and something_slides(work):
+        slide(t, x, v, params, work)
     show_sides(params, work)
     if own[MODE] == FREE:
         before, now = row_of(BEFORE, work), row_of(NOW, work)
@@ -241,6 +231,13 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
     if work[TROUBLE] == FAILED_CONTROL and shorten(size, work):
         take_back(x, v, work)
         return
+    if own[MODE] in (FREE, SHORTENED, SLIDING) and something_slides(work):
+        own[MODE] = SLIDING
+        if misses(t, h, x, v, work):
+            take_back(x, v, work)
+            work[REJECTED] = 1.0
+            return
+        own[MODE] = FREE
     if own[MODE] != LAST:
         gap = min(gap, least_slip(v, work))
     cut, crosses = own[MODE] in (SEARCHING, LAST) or gap < 0.0, False
@@ -259,6 +256,8 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
             if hit[row] != 0.0 and switch[row] != 0.0:
                 crosses = True
                 cross(row, t, x, v, params, work)
+                if size < _SLIVER * abs(work[FIRST_STEP]):
+                    begin_sliding(row, work)
             if turned[row] != 0.0:
                 stop(row, t, x, v, work)
                 turned[row] = 0.0

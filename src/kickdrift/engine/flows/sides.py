@@ -14,12 +14,14 @@ from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import saved
 from kickdrift.engine.flows.layout import CHANGES, END, EVALUATIONS, FIRST_STEP, TROUBLE, VELOCITY, has_part, own_params
 from kickdrift.engine.flows.resting import FREE_V, FREE_X
+from kickdrift.engine.flows.sliding_mode import may_slide
 from kickdrift.engine.flows.surfaces import (
     BEFORE,
     NOW,
     PLACE_OF_SIDES,
     SIDE,
     SWITCH,
+    TOUCHES,
     place,
     room_of_accelerations,
     row_of,
@@ -32,6 +34,7 @@ acceleration_at: Callable[..., None] = unbound
 velocity_at: Callable[..., None] = unbound
 find_gaps: Callable[..., float] = unbound
 take_ahead: Callable[..., None] = unbound
+take_equivalent_side: Callable[..., bool] = unbound
 
 _NEAR = 1e-6  # of the size of x: only switches that are as near are looked at a moment later
 _ROUNDING = 2.220446049250313e-16
@@ -64,6 +67,11 @@ def take_sides(t: float, h: float, x: Floats, v: Floats, params: Floats, work: F
     if near:
         take_ahead(t, x, v, params, work)
         show_sides(params, work)
+        for row in range(side.size):
+            if switch[row] != 0.0 and may_slide(work) and abs(now[row]) <= TOUCHES * size_of(x, work):
+                take_equivalent_side(row, t, x, v, params, work)
+        show_sides(params, work)
+        work[CHANGES] += 1.0
     work[TROUBLE] = 0.0
 
 

@@ -24,10 +24,10 @@ HEAD = 19
 COUNT, LOCATED, BODY_SIZE = 0, 1, 2  # 3 and 4 are those of a trial, see `error_control`
 LOW, HIGH, LOW_GAP, HIGH_GAP, MODE, WHOLE, MOVED_LAST, LENGTH, ROUNDS, PLACE_OF_SIDES, SHORT = range(5, 16)
 START, MOST_LISTED, LISTED = 16, 17, 18  # of the run; how many gaps can be listed, and are
-ROWS = 18
-RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS, SLIP, TURNED = range(11)
-LIST, SQUARE, RATE, IMPULSE, USED, LEFT, SLIDES = range(11, ROWS)  # of those listed: the gap, and what is known of it
-FLIES, RESTS, LEAVES = 0.0, 1.0, 2.0  # what a gap does, in RESTING: the last until its step is taken
+ROWS = 19
+RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS, SLIP, TURNED, STEEPNESS = range(12)
+LIST, SQUARE, RATE, IMPULSE, USED, LEFT, SLIDES = range(12, ROWS)  # of those listed: the gap, and what is known of it
+FLIES, RESTS, LEAVES, SLIDES_ON = 0.0, 1.0, 2.0, 3.0  # what a gap does, in RESTING: LEAVES until its step is taken
 VECTORS = 3
 _INVERSE_MASSES, _PLACE, _ACCELERATION = range(VECTORS)
 
@@ -105,6 +105,24 @@ def list_one(row: int, work: Floats) -> None:
     """List a single gap."""
     own_params(work)[LISTED] = 1.0
     row_of(LIST, work)[0] = row
+
+
+@compiled
+def something_is_hit(work: Floats) -> bool:
+    """Whether a gap has closed, rather than only a slip reversed."""
+    hit, some = row_of(HIT, work), False
+    for row in range(hit.size):
+        some = some or hit[row] != 0.0
+    return some
+
+
+@compiled
+def something_rests(work: Floats) -> bool:
+    """Whether the step was projected back onto a surface."""
+    resting, some = row_of(RESTING, work), False
+    for row in range(resting.size):
+        some = some or resting[row] != FLIES
+    return some
 
 
 def evaluate_gaps(t: float, x: Floats, v: Floats, work: Floats) -> float:

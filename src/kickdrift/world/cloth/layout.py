@@ -157,8 +157,8 @@ column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that contains it as long as 
 
 # PARTICLE_PATH
 column(PARTICLE_PATH, 3, "m")  # position when its motion was predicted
-FORESEEN = column(PARTICLE_PATH, 3, "m/s")  # predicted velocity
-FORESEEN_AT = column(PARTICLE_PATH, 1, "s")  # SEARCH_AGE when it was predicted
+PREDICTED_VELOCITY = column(PARTICLE_PATH, 3, "m/s")  # predicted velocity
+PREDICTED_AT = column(PARTICLE_PATH, 1, "s")  # SEARCH_AGE when it was predicted
 
 # FACE_BOUNDS
 column(FACE_BOUNDS, 6, "m")  # bounds of those of its corners
@@ -171,11 +171,11 @@ column(FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it i
 
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)
-NEIGHBOURS = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
+NEAR_NODES = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
 HAS_STRAYED = column(CLOTH_TREE_NODE)  # 1 if a particle of it has
 
 # TREE_NEIGHBOUR, of a node
-NEIGHBOUR = column(TREE_NEIGHBOUR)  # a later node of its level that is near it at rest
+NEAR_NODE = column(TREE_NEIGHBOUR)  # a later node of its level that is near it at rest
 BETWEEN = column(TREE_NEIGHBOUR)  # one that joins both to one piece; the neighbour itself where they share a side
 
 # CLOTH_SEARCH

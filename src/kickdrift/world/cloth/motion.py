@@ -36,7 +36,7 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import resolve_pairs
-from kickdrift.world.cloth.pairs import find_pairs, meets
+from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
 from kickdrift.world.cloth.particle_lanes import field_size, fill_lanes
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
 from kickdrift.world.cloth.swept import find_strays, set_frame, travels
@@ -154,13 +154,13 @@ def _meet(world: int, turn: int, h: float, interval: float) -> bool:
     if turn == 1:
         _go_back(world, interval)
     elif turn == 2:
-        if not find_pairs(world, h, interval):
+        if not find_cloth_pairs(world, h, interval):
             return False
         for sweep in range(_SWEEPS):
             resolve_pairs(world, interval, floats(world, SETTINGS)[0, PUSH_SPEED] if sweep == 0 else 0.0)
     else:
         for _ in range(_SEARCHES):
-            if not find_pairs(world, h, interval):
+            if not find_cloth_pairs(world, h, interval):
                 return False
             stop_crossings(world, interval)
             if find_strays(world, interval) == 0:

@@ -24,8 +24,8 @@ from kickdrift.world.cloth.layout import (
     IS_TANGLED,
     LAST_NODE,
     MEETS_ITSELF,
-    NEIGHBOUR,
-    NEIGHBOURS,
+    NEAR_NODE,
+    NEAR_NODES,
     PAIR_FACES,
     PAIR_KIND,
     SEARCH_STATE,
@@ -61,7 +61,7 @@ _NUMBERS = 2 * _STACK
 
 
 @compiled
-def find_pairs(world: int, h: float, part: float) -> bool:
+def find_cloth_pairs(world: int, h: float, part: float) -> bool:
     """Find the pairs that may touch in a part of a substep, s; False if there is no room for them.
 
     Known pairs remain valid as long as particles follow their predicted paths, at most for the time 4 h, s. A pair counts as
@@ -170,8 +170,8 @@ def _walk(world: int, a: int, b: int) -> bool:
 def _are_one_piece(world: int, begin: int, m: int, n: int) -> bool:
     """Whether two nodes of a tree that begins in that row are one flat piece, with what joins them, as each of them is flat."""
     node, near, normals = integers(world, CLOTH_TREE_NODE), integers(world, TREE_NEIGHBOUR), floats(world, NORMAL_TREE)
-    for k in range(node[begin + m, NEIGHBOURS], node[begin + m, NEIGHBOURS + 1]):
-        if near[k, NEIGHBOUR] == n:
+    for k in range(node[begin + m, NEAR_NODES], node[begin + m, NEAR_NODES + 1]):
+        if near[k, NEAR_NODE] == n:
             flat: bool = is_flat(normals, begin + m, begin + n, begin + near[k, BETWEEN])
             return flat
     return False

@@ -49,7 +49,7 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
         marks, count = tables.resize(t.CLOTH_TREE_NODE, last)[first:], tables.count(t.TREE_NEIGHBOUR)
         marks[:, c.IS_CONNECTED] = tree.connected
         ends = np.searchsorted(tree.neighbours[:, 0], np.arange(len(tree.items) + 1))
-        marks[:, c.NEIGHBOURS], marks[:, c.NEIGHBOURS + 1] = count + ends[:-1], count + ends[1:]
+        marks[:, c.NEAR_NODES], marks[:, c.NEAR_NODES + 1] = count + ends[:-1], count + ends[1:]
         tables.resize(t.TREE_NEIGHBOUR, count + len(tree.neighbours))[count:] = tree.neighbours[:, 1:]
         _group(tables, cloth)
 

@@ -2,9 +2,9 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus, plus, times
-from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, FORESEEN, SEARCH_AGE, SEARCH_HORIZON, SKIN
+from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, PREDICTED_VELOCITY, SEARCH_AGE, SEARCH_HORIZON, SKIN
 from kickdrift.world.cloth.proximity import Corners, closing, less_mean
-from kickdrift.world.cloth.swept import foreseen
+from kickdrift.world.cloth.swept import predicted_position
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE_PATH, floats, integers
 
@@ -33,8 +33,16 @@ def _corners(world: int, f: int) -> tuple[Triangle, Triangle]:
     face, search = integers(world, FACE), floats(world, CLOTH_SEARCH)
     i, j, k = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
     now, then = search[0, SEARCH_AGE], search[0, SEARCH_HORIZON]
-    at_present = (foreseen(world, i, now), foreseen(world, j, now), foreseen(world, k, now))
-    return at_present, (foreseen(world, i, then), foreseen(world, j, then), foreseen(world, k, then))
+    at_present = (
+        predicted_position(world, i, now),
+        predicted_position(world, j, now),
+        predicted_position(world, k, now),
+    )
+    return at_present, (
+        predicted_position(world, i, then),
+        predicted_position(world, j, then),
+        predicted_position(world, k, then),
+    )
 
 
 @compiled(inline=True)
@@ -56,9 +64,9 @@ def nearing(world: int, kind: int, at: Corners) -> float:
     path, search = floats(world, PARTICLE_PATH), floats(world, CLOTH_SEARCH)
     h = search[0, SEARCH_HORIZON] - search[0, SEARCH_AGE]
     p, a, b, c = (
-        times(h, vector_at(path, at[0], FORESEEN)),
-        times(h, vector_at(path, at[1], FORESEEN)),
-        times(h, vector_at(path, at[2], FORESEEN)),
-        times(h, vector_at(path, at[3], FORESEEN)),
+        times(h, vector_at(path, at[0], PREDICTED_VELOCITY)),
+        times(h, vector_at(path, at[1], PREDICTED_VELOCITY)),
+        times(h, vector_at(path, at[2], PREDICTED_VELOCITY)),
+        times(h, vector_at(path, at[3], PREDICTED_VELOCITY)),
     )
     return closing(kind, less_mean(p, a, b, c))

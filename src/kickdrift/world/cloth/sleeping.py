@@ -14,9 +14,9 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_BODY,
 )
 from kickdrift.world.columns import vector_at
-from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
-from kickdrift.world.sleeping import TIME, wake_island
+from kickdrift.world.sleeping import TIME, is_awake, mark_island, wake_marked
 from kickdrift.world.step_status import OK, STATUS
 from kickdrift.world.tables import (
     BODY,
@@ -105,19 +105,23 @@ def _is_awake(world: int, body: int) -> bool:
 def _wake_touched(world: int, within: float) -> None:
     """Wake bodies to which cloths are pinned, or that they touch with a gap below a fraction of half the thickness."""
     contact, pin, numbers = integers(world, CLOTH_CONTACT), integers(world, PIN), floats(world, CLOTH_CONTACT_NUMBERS)
-    radius = floats(world, CLOTH_NUMBERS)[0, CLOTH_RADIUS]
+    radius, found = floats(world, CLOTH_NUMBERS)[0, CLOTH_RADIUS], False
     for row in range(rows(world, CLOTH_CONTACT)):
         if numbers[row, CLOTH_GAP] < within * radius:
-            _stir(world, contact[row, TOUCHED_BODY])
+            found = _stir(world, contact[row, TOUCHED_BODY]) or found
     for k in range(rows(world, PIN)):
-        _stir(world, pin[k, PINNED_BODY])
+        found = _stir(world, pin[k, PINNED_BODY]) or found
+    if found:
+        wake_marked(world)
 
 
 @compiled
-def _stir(world: int, body: int) -> None:
-    """Wake the island of a dynamic body, and reset its time of rest."""
-    own, rested = integers(world, BODY), floats(world, RESTED)
-    if own[body, BODY_KIND] == DYNAMIC:
-        if own[body, AWAKE] == 0:
-            wake_island(world, own[body, SLEEP_ISLAND])
-        rested[body, TIME] = 0.0
+def _stir(world: int, body: int) -> bool:
+    """Reset the time of rest of a dynamic body, and mark its island if it sleeps; return whether it does."""
+    if integers(world, BODY)[body, BODY_KIND] != DYNAMIC:
+        return False
+    floats(world, RESTED)[body, TIME] = 0.0
+    if is_awake(world, body):
+        return False
+    mark_island(world, body)
+    return True

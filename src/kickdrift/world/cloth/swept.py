@@ -17,8 +17,6 @@ from kickdrift.world.cloth.layout import (
     FIRST_FACE,
     FIRST_NODE,
     FIRST_PARTICLE,
-    FORESEEN,
-    FORESEEN_AT,
     FRAME_VELOCITY,
     HAS_STRAYED,
     IS_STRAY,
@@ -26,6 +24,8 @@ from kickdrift.world.cloth.layout import (
     LAST_NODE,
     LAST_PARTICLE,
     PARTICLE_VELOCITY,
+    PREDICTED_AT,
+    PREDICTED_VELOCITY,
     SEARCH_AGE,
     SEARCH_HORIZON,
     SEARCH_STATE,
@@ -106,10 +106,12 @@ def find_strays(world: int, part: float) -> int:
     for cloth in range(rows(world, CLOTH)):
         farthest = numbers[cloth, SKIN] ** 2
         for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-            now, then, since = 0.0, 0.0, age - path[i, FORESEEN_AT]
+            now, then, since = 0.0, 0.0, age - path[i, PREDICTED_AT]
             for k in range(3):
-                off = particle[i, k] - path[i, k] - since * path[i, FORESEEN + k]
-                strays = off + part * (particle[i, PARTICLE_VELOCITY + k] - path[i, FORESEEN + k]) + shift[i, k]
+                off = particle[i, k] - path[i, k] - since * path[i, PREDICTED_VELOCITY + k]
+                strays = (
+                    off + part * (particle[i, PARTICLE_VELOCITY + k] - path[i, PREDICTED_VELOCITY + k]) + shift[i, k]
+                )
                 now, then = now + off * off, then + strays * strays
             zone[i, IS_STRAY] = int(not (now <= farthest and then <= farthest))  # true for NaN
             count += zone[i, IS_STRAY]
@@ -134,7 +136,7 @@ def start_search(world: int, h: float) -> None:
         search[0, BOXES_VELOCITY + k] = search[0, FRAME_VELOCITY + k]
     search[0, SEARCH_HORIZON], search[0, SEARCH_AGE], search[0, TRAVELLED] = h, 0.0, 0.0
     for i in range(_all_stray(world)):
-        path[i, FORESEEN_AT] = path[i, FORESEEN_AT] - age if search[0, SEARCH_STATE] == VALID else 0.0
+        path[i, PREDICTED_AT] = path[i, PREDICTED_AT] - age if search[0, SEARCH_STATE] == VALID else 0.0
 
 
 @compiled
@@ -192,22 +194,22 @@ def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         if zone[i, IS_STRAY] == 0:
             continue
-        since = age - path[i, FORESEEN_AT]
-        path[i, FORESEEN_AT] = age
+        since = age - path[i, PREDICTED_AT]
+        path[i, PREDICTED_AT] = age
         for k in range(3):
             x, drift = particle[i, k], search[0, BOXES_VELOCITY + k]
             way = part * particle[i, PARTICLE_VELOCITY + k] + shift[i, k]
             v = (way + x - path[i, k]) / (part + since) if since > 0.0 else way / part
-            path[i, k], path[i, FORESEEN + k] = x, v
+            path[i, k], path[i, PREDICTED_VELOCITY + k] = x, v
             way, x = left * (v - drift), x - age * drift
             bounds[i, k], bounds[i, 3 + k] = x + min(way, 0.0) - around, x + max(way, 0.0) + around
 
 
 @compiled(inline=True)
-def foreseen(world: int, i: int, age: float) -> Vector:
+def predicted_position(world: int, i: int, age: float) -> Vector:
     """Return the predicted position of a particle at an age of the search, s."""
     path = floats(world, PARTICLE_PATH)
-    return plus(vector_at(path, i, 0), times(age - path[i, FORESEEN_AT], vector_at(path, i, FORESEEN)))
+    return plus(vector_at(path, i, 0), times(age - path[i, PREDICTED_AT], vector_at(path, i, PREDICTED_VELOCITY)))
 
 
 @compiled(inline=True)
@@ -242,9 +244,9 @@ def _enclose_normal(world: int, f: int) -> None:
 def _normal(world: int, f: int, age: float) -> Vector:
     """Return the predicted normal of a triangle at an age of the search, s, times twice its area."""
     face = integers(world, FACE)
-    origin = foreseen(world, face[f, CORNERS], age)
-    p = minus(foreseen(world, face[f, CORNERS + 1], age), origin)
-    return cross(p, minus(foreseen(world, face[f, CORNERS + 2], age), origin))
+    origin = predicted_position(world, face[f, CORNERS], age)
+    p = minus(predicted_position(world, face[f, CORNERS + 1], age), origin)
+    return cross(p, minus(predicted_position(world, face[f, CORNERS + 2], age), origin))
 
 
 @compiled

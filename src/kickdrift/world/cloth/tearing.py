@@ -46,24 +46,27 @@ def find_tears(tables: Tables, row: int) -> Split | None:
         corners.ravel(), weights=np.repeat(areas, 3)
     )
     of[particles[:, c.PARTICLE_INVERSE_MASS] == 0.0] = 0.0
-    chosen = _apart(np.flatnonzero(of > limit), of, corners)
+    chosen, faces = _apart(np.flatnonzero(of > limit), of, corners)
     if not chosen.size:
         return None
     normals = np.empty((len(chosen), 3))
-    for k, vertex in enumerate(chosen):
-        around = np.flatnonzero((corners == vertex).any(axis=1))
+    for k, around in enumerate(faces):
         pull = (areas * strain)[around, None] * along[around]
         normals[k] = np.linalg.eigh(pull.T @ along[around])[1][:, -1]
     found = split_at(mesh_in(tables, row), chosen, normals, particles[:, :3])
     return found if found.parents.size else None
 
 
-def _apart(vertices: Integers, strain: Floats, corners: Integers) -> Integers:
-    """Return the vertices, in order of decreasing strain, that share no triangle with one returned before."""
+def _apart(vertices: Integers, strain: Floats, corners: Integers) -> tuple[Integers, list[Integers]]:
+    """Return the vertices, in order of decreasing strain, that share no triangle with one before, and the triangles of each."""
+    faces = np.argsort(corners.ravel(), kind="stable") // 3
+    ends = np.cumsum(np.bincount(corners.ravel()))
     taken = np.zeros(len(strain), dtype=bool)
-    chosen = []
+    chosen, around = [], []
     for vertex in vertices[np.argsort(-strain[vertices], kind="stable")].tolist():
         if not taken[vertex]:
+            own = faces[ends[vertex - 1] if vertex else 0 : ends[vertex]]
             chosen.append(vertex)
-            taken[corners[(corners == vertex).any(axis=1)]] = True
-    return np.array(chosen, dtype=np.int64)
+            around.append(own)
+            taken[corners[own]] = True
+    return np.array(chosen, dtype=np.int64), around

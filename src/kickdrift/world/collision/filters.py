@@ -71,7 +71,7 @@ def forget(tables: Tables, body: int) -> None:
 def part_joined(tables: Tables) -> None:
     """Update EXCLUDED to the pairs of bodies that joints connect or users exclude."""
     joint = tables.array(JOINT)
-    held = joint[joint[:, layout.JOINT_KIND] != layout.REMOVED][:, [layout.BODY_A, layout.BODY_B]]
+    held = joint[joint[:, layout.JOINT_KIND] != layout.REMOVED_JOINT][:, [layout.BODY_A, layout.BODY_B]]
     now = {(min(pair), max(pair)) for pair in [*held.tolist(), *tables.array(ASKED_APART).tolist()]}
     before = set(map(tuple, tables.array(EXCLUDED).tolist()))
     if now != before:

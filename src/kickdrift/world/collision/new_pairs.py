@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.bvh import gather
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.fat_bounds import may_move
+from kickdrift.world.collision.fat_aabb import may_move
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.pair_hash import is_known, key_of
 from kickdrift.world.collision.search_state import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS

@@ -17,7 +17,7 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bvh_update import update_for_queries
 from kickdrift.world.collision.dispatch import find_extents
-from kickdrift.world.collision.fat_bounds import find_strays
+from kickdrift.world.collision.fat_aabb import find_strays
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.collision.overlap_query import find_near, overlaps
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
@@ -29,8 +29,8 @@ from kickdrift.world.shapes.kinds import BOX, SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import RAY
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.step_status import FULL, LOST_BODY, ROWS_WANTED, STATUS, TABLE
-from kickdrift.world.tables import MOVERS, PLANES, POSE, SHAPE, STEP_STATUS, TRIANGLE_TREE, Tables
+from kickdrift.world.step_status import FULL, take_request
+from kickdrift.world.tables import MOVERS, PLANES, POSE, SHAPE, TRIANGLE_TREE, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.body import Body
@@ -222,10 +222,8 @@ def _overlap(
 def _strays(tables: Tables) -> Integers:
     """Update the trees to the present shapes, and return the rows of shapes that have left their fat bounds."""
     find_extents(tables, _kinds(tables))
-    status = tables.array(STEP_STATUS)[0]
     while not update_for_queries(tables.address):
-        kind, table, wanted, body = (int(status[column]) for column in (STATUS, TABLE, ROWS_WANTED, LOST_BODY))
-        status[:] = 0
+        kind, table, wanted, body = take_request(tables)
         if kind != FULL:
             raise _nowhere(body)
         tables.make_room(table, wanted)
@@ -280,7 +278,7 @@ def _described(tables: Tables, rays: Floats, hits: Floats) -> RayHits:
     shape = hits[:, SHAPE_HIT].astype(np.int64)
     met = shape >= 0
     body = np.full(len(hits), -1)
-    body[met] = tables.array(SHAPE)[shape[met], 1]
+    body[met] = tables.array(SHAPE)[shape[met], BODY_ROW]
     point = np.full((len(hits), 3), np.nan)
     point[met] = rays[met, :3] + hits[met, DISTANCE, None] * rays[met, 3:6]
     return RayHits(shape, body, hits[:, DISTANCE].copy(), point, hits[:, NORMAL : NORMAL + 3].copy())

@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.fat_bounds import is_somewhere, may_move, settle
+from kickdrift.world.collision.fat_aabb import is_somewhere, may_move, settle
 from kickdrift.world.collision.search_state import (
     AT_HOME,
     CHANGED,

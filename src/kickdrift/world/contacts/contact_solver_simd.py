@@ -196,8 +196,8 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         rx = vbx + wby * bz - wbz * by - vax - way * az + waz * ay
         ry = vby + wbz * bx - wbx * bz - vay - waz * ax + wax * az
         rz = vbz + wbx * by - wby * bx - vaz - wax * ay + way * ax
-        s1 = ux * rx + uy * ry + uz * rz - own[c.SLIDE * W + lane]
-        s2 = mx * rx + my * ry + mz * rz - own[(c.SLIDE + 1) * W + lane]
+        s1 = ux * rx + uy * ry + uz * rz - own[c.SURFACE_SPEED * W + lane]
+        s2 = mx * rx + my * ry + mz * rz - own[(c.SURFACE_SPEED + 1) * W + lane]
         k11, k22, k12 = _vector(own, c.GRIP, lane)
         old1, old2 = own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane]
         new1 = old1 - (k11 * s1 + k12 * s2)

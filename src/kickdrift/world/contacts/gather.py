@@ -145,7 +145,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     fixed = inverse_a == 0.0 or inverse_b == 0.0
     slide_a, slide_b = _surface_velocity(world, shape_a), _surface_velocity(world, shape_b)
     for k in range(3):
-        raw[(r.SLIDE + k) * c.WIDTH] = slide_a[k] - slide_b[k]
+        raw[(r.SURFACE_SLIP + k) * c.WIDTH] = slide_a[k] - slide_b[k]
         raw[(r.SOFTNESS + k) * c.WIDTH] = soft[k] if fixed else softer[k]
     raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), inverse_a, inverse_b)
     least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])

@@ -34,6 +34,7 @@ from kickdrift.world.layout import (
     BODY_INERTIA,
     DISPLACEMENT,
     IMPACT_TIME,
+    INERTIA_KIND,
     INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
@@ -43,7 +44,6 @@ from kickdrift.world.layout import (
     ORIENTATION,
     POSITION,
     ROTATION,
-    SPHERICAL,
     SPIN,
     TUMBLES,
     VELOCITY,
@@ -108,7 +108,7 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
         return plus(at, times(when, v)), product(exponential(times(when, w)), q), v, w, none, times(when, w)
     at = plus(at, _way(h, world, body, when))
     v = minus(v, times(_left_to_gain(h, world, when), vector_at(kicked, body, ADDED)))
-    if inertia[body, SPHERICAL] != TUMBLES:
+    if inertia[body, INERTIA_KIND] != TUMBLES:
         return at, product(exponential(times(when, w)), q), v, w, none, times(when, w)
     # From its last impact on; before that, it has not rotated as in free flight.
     last, spin = kicked[body, IMPACT_TIME], vector_at(kicked, body, SPIN)
@@ -196,7 +196,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
     when, inertia = kicked[body, IMPACT_TIME], floats(world, INERTIA)
     way = _way(h, world, body, when)
     q, turn = quaternion_at(pose, body, ORIENTATION), vector_at(motion, body, ANGULAR_VELOCITY)
-    if inertia[body, SPHERICAL] == TUMBLES:
+    if inertia[body, INERTIA_KIND] == TUMBLES:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
         before = applied(symmetric_at(floats(world, INVERSE_MASS), body, INVERSE_INERTIA_IN_WORLD), spin)
         spin = plus(spin, turned(q, applied(moments, turned_back(q, minus(turn, before)))))
@@ -237,7 +237,7 @@ def _turn_to(world: int, body: int, turn: Quaternion) -> None:
     q = unit(turn)
     for k in range(4):
         pose[body, ORIENTATION + k] = q[k]
-    if inertia[body, SPHERICAL] == TUMBLES:
+    if inertia[body, INERTIA_KIND] == TUMBLES:
         inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
         for k in range(6):
             inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]

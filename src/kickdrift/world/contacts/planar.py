@@ -35,14 +35,15 @@ def flatten_contact(raw: Any, plane: Vector) -> None:
     _keep_from_rolling(raw, r.AXIS_B, r.TURN_B, r.ON_B, 1, times(-1.0, normal), plane)
     is_floor = cosine < _FLOOR
     flat = times(math.copysign(1.0, across), plane) if is_floor else times(1.0 / cosine, within)
+    most = 0.0  # points share one normal and one coefficient of friction: those of the one that touches most within the plane
     for k in range(int(raw[r.COUNT * _W])):
         if is_floor:
             _lay_on_floor(raw, k, normal, flat)
         else:
-            cosine = _flatten_point(raw, k, plane, flat, cosine, across)
+            most = max(most, _flatten_point(raw, k, plane, flat, cosine, across))
     if is_floor:
         _put(raw, r.SOFTNESS, _RIGID)
-    elif cosine < _FLOOR:  # round shapes that pass each other
+    elif most < _FLOOR:  # round shapes that pass each other
         raw[r.COUNT * _W] = 0.0
         for field in range(r.IMPULSE, r.IMPULSE + 4):
             raw[field * _W] = 0.0
@@ -50,8 +51,8 @@ def flatten_contact(raw: Any, plane: Vector) -> None:
             raw[field * _W] = 0.0
         _put(raw, r.ROLLED, (0.0, 0.0, 0.0))
     else:
-        raw[r.FRICTION * _W] /= cosine
-        raw[r.RESISTANCE * _W] /= cosine
+        raw[r.FRICTION * _W] /= most
+        raw[r.RESISTANCE * _W] /= most
     _put(raw, r.NORMAL, flat)
 
 

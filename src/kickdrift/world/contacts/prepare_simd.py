@@ -28,7 +28,7 @@ COUNT = _RAW.field()
 MASS_A = _RAW.field(1, "1/kg")  # inverse
 MASS_B = _RAW.field(1, "1/kg")
 FRICTION = _RAW.field()
-SLIDE = _RAW.field(3, "m/s")
+SURFACE_SLIP = _RAW.field(3, "m/s")
 FRICTION_IMPULSE = _RAW.field(3, "N s")
 TWISTED = _RAW.field(1, "N m s")
 RESISTANCE = _RAW.field(1, "m")
@@ -187,8 +187,11 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         put(own, c.T * W + lane, ux, uy, uz)
         vx, vy, vz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
         own[c.FRICTION * W + lane] = raw[FRICTION * W + lane]
-        x, y, z = vector(raw, SLIDE * W + lane)
-        own[c.SLIDE * W + lane], own[(c.SLIDE + 1) * W + lane] = ux * x + uy * y + uz * z, vx * x + vy * y + vz * z
+        x, y, z = vector(raw, SURFACE_SLIP * W + lane)
+        own[c.SURFACE_SPEED * W + lane], own[(c.SURFACE_SPEED + 1) * W + lane] = (
+            ux * x + uy * y + uz * z,
+            vx * x + vy * y + vz * z,
+        )
         x, y, z = vector(raw, FRICTION_IMPULSE * W + lane)
         own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane] = (
             ux * x + uy * y + uz * z,

@@ -44,7 +44,7 @@ run_kernel = caller(KERNEL)
 
 
 @compiled
-def measure(t: float, h: float, world: int) -> None:
+def measure_residual(t: float, h: float, world: int) -> None:
     """Measure the residual, and mark bodies with a large one, and those with contacts that are solved directly."""
     groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
     lanes, kernels, bodies = flat(world, LANES), integers(world, KERNEL_ADDRESSES), flat_integers(world, GROUPS)

@@ -85,19 +85,19 @@ def _mark_struck(world: int) -> bool:
     """
     contact, predicted, found = integers(world, CONTACT), floats(world, PREDICTED), False
     for row in range(rows(world, CONTACT)):
-        found = found or _strikes(world, row)
+        found = found or strikes(world, row)
     if not found:
         return False
     for body in range(rows(world, PREDICTED)):
         predicted[body, STRUCK] = 0.0
     for row in range(rows(world, CONTACT)):
-        if _strikes(world, row):
+        if strikes(world, row):
             predicted[contact[row, c.BODY_A], STRUCK] = predicted[contact[row, c.BODY_B], STRUCK] = 1.0
     return True
 
 
 @compiled(inline=True)
-def _strikes(world: int, row: int) -> bool:
+def strikes(world: int, row: int) -> bool:
     """Whether the shapes of a fast contact approach by more than half the size of the smaller one in a substep."""
     contact, place, settings = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)
     if contact[row, c.CONTACT_STATE] & c.FAST == 0 or contact[row, c.PLACE_IN_GROUPS] < 0:

@@ -44,7 +44,7 @@ ARM_B = column(IMPACT, 3, "m")
 GRIP = column(IMPACT, 3, "kg")  # inverse of the response to friction
 FRICTION = column(IMPACT, 2, "N s")
 BOUND = column(IMPACT, 1, "N s")  # of friction
-POINTS = column(IMPACT, 4 * POINT_SIZE)
+IMPACT_POINTS = column(IMPACT, 4 * POINT_SIZE)
 TIMES = column(IMPACT, 4, "s")  # when the points hit
 NORMAL = column(IMPACT, 3)
 TANGENT = column(IMPACT, 3)  # the first
@@ -67,10 +67,10 @@ def meet(world: int, hit: Any, least: float) -> None:
     near, share = 0.1 * floats(world, SETTINGS)[0, SLOP], own[c.SHARE * c.WIDTH]
     centre_a, centre_b, found = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
     for k in range(4):
-        hit[POINTS + POINT_SIZE * k + PLASTIC] = -1.0
+        hit[IMPACT_POINTS + POINT_SIZE * k + PLASTIC] = -1.0
         if not (hit[TIMES + k] - when) * hit[SPEED] <= near:
             continue
-        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         arm_a, arm_b, between = arms_now(world, row, own, k, when, normal)
         if dot(normal, between) > near:  # it has hit before, and has separated
             continue
@@ -150,7 +150,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
     inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
     largest = 0.0
     for k in range(4):
-        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
             continue
         turn_a, turn_b = _at(point, TURN_A), _at(point, TURN_B)
@@ -175,7 +175,7 @@ def _sweep_friction(world: int, hit: Any) -> float:
         plus(vector_at(motion, b, VELOCITY), cross(vector_at(motion, b, ANGULAR_VELOCITY), arm_b)),
         plus(vector_at(motion, a, VELOCITY), cross(vector_at(motion, a, ANGULAR_VELOCITY), arm_a)),
     )
-    s1, s2 = dot(slip, first) - own[c.SLIDE * c.WIDTH], dot(slip, second) - own[(c.SLIDE + 1) * c.WIDTH]
+    s1, s2 = dot(slip, first) - own[c.SURFACE_SPEED * c.WIDTH], dot(slip, second) - own[(c.SURFACE_SPEED + 1) * c.WIDTH]
     k11, k22, k12 = _at(hit, GRIP)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
     if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding, as in `contact_solver_simd.solve_friction`
@@ -195,7 +195,7 @@ def pushed(hit: Any) -> float:
     """Return the sum of the normal impulses of a contact, N s."""
     total = 0.0
     for k in range(4):
-        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         total += point[IMPULSE] if point[PLASTIC] >= 0.0 else 0.0
     return total
 
@@ -215,7 +215,7 @@ def find_impulses(world: int) -> None:
     rough = False
     for hit in range(count):
         for k in range(4):
-            p = POINTS + POINT_SIZE * k
+            p = IMPACT_POINTS + POINT_SIZE * k
             impact[hit, p + PLASTIC] = impact[hit, p + IMPULSE] if impact[hit, p + PLASTIC] >= 0.0 else -1.0
         rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
     if rough:
@@ -238,7 +238,7 @@ def _find_friction(world: int, scale: float) -> None:
     for hit in range(count):
         total = pushed(impact[hit])
         for k in range(4):
-            total += impact[hit, BOUNCE] * max(impact[hit, POINTS + POINT_SIZE * k + PLASTIC], 0.0)
+            total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
     for _ in range(_SWEEPS):
         largest = 0.0
@@ -255,7 +255,7 @@ def _apply_restitution(world: int, hit: Any) -> None:
     row, contact = int(hit[ROW]), integers(world, CONTACT)
     normal = _at(hit, NORMAL)
     for k in range(4):
-        point = hit[POINTS + POINT_SIZE * k : POINTS + POINT_SIZE * (k + 1)]
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         d = hit[BOUNCE] * max(point[PLASTIC], 0.0)
         if d > 0.0:
             point[IMPULSE] += d

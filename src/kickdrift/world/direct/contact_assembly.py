@@ -16,7 +16,7 @@ from kickdrift.world.direct.layout import (
     HELD,
     LINK_ROW,
     NODES,
-    SLIDE,
+    SLIDING_PART,
     STATE,
     STIFFNESS,
     TANGENT,
@@ -43,7 +43,7 @@ def add_contacts(island: int, world: int) -> None:
         for bound in range(3):
             begin = first_row(bound)
             held = numbers[STATE + begin] == HELD
-            stiffness = numbers[STIFFNESS + begin] * (1.0 if held else numbers[SLIDE + bound])
+            stiffness = numbers[STIFFNESS + begin] * (1.0 if held else numbers[SLIDING_PART + bound])
             if numbers[ACTIVE + begin] == 0.0 or stiffness == 0.0:
                 continue
             end = begin + bound_rows(bound)

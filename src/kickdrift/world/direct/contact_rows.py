@@ -27,8 +27,8 @@ from kickdrift.world.direct.layout import (
     OPEN,
     ROLL,
     ROW_MASS,
-    SLIDE,
     SLIDING,
+    SLIDING_PART,
     SPEED,
     STATE,
     STIFFNESS,
@@ -161,7 +161,7 @@ def update_bound_states(rows: Any, bound: int, first: bool) -> bool:
     if most <= MISSED * rows[ROW_MASS + begin]:
         for k in range(begin, end):
             rows[CONSTANT + k], rows[DIRECTION + k] = -rows[IMPULSE + k], 0.0
-        rows[STATE + begin], rows[SLIDE + bound] = SLIDING, 0.0
+        rows[STATE + begin], rows[SLIDING_PART + bound] = SLIDING, 0.0
         return True
     size = _trial_impulse(rows, begin, end, rows[ROW_MASS + begin] if first else stiffness)
     state = HELD if size <= most else SLIDING
@@ -199,7 +199,7 @@ def _trial_impulse(rows: Any, begin: int, end: int, stiffness: float) -> float:
 def _slide(rows: Any, bound: int, most: float, share: float) -> None:
     """Let rows slide with their largest impulse; `share` of the stiffness is left against changes of its direction."""
     begin, count = first_row(bound), bound_rows(bound)
-    rows[SLIDE + bound] = share
+    rows[SLIDING_PART + bound] = share
     for k in range(begin, begin + count):
         left = rows[MOVED + k]
         for j in range(begin, begin + count):
@@ -246,7 +246,7 @@ def fix(rows: Any) -> None:
     for k in range(TANGENT):
         rows[STATE + k] = OPEN
     for bound in range(3):
-        rows[STATE + first_row(bound)], rows[SLIDE + bound] = SLIDING, 0.0
+        rows[STATE + first_row(bound)], rows[SLIDING_PART + bound] = SLIDING, 0.0
 
 
 @compiled(cached=False, fast=True)
@@ -261,7 +261,7 @@ def give_of(rows: Any, k: int, bound: int) -> float:
         begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
         stiffness, moved = rows[STIFFNESS + begin], rows[MOVED + k]
         if rows[STATE + begin] != HELD:
-            stiffness *= rows[SLIDE + bound]
+            stiffness *= rows[SLIDING_PART + bound]
             for j in range(begin, end):
                 moved -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
     return impulse - stiffness * moved

@@ -142,7 +142,7 @@ def _begin_friction(
             if task >= BOUNCE:
                 numbers[IMPULSE + k] = 0.0
             if bound == 0:
-                numbers[WANTED + k] = own[(c.SLIDE + k - TANGENT) * c.WIDTH]
+                numbers[WANTED + k] = own[(c.SURFACE_SPEED + k - TANGENT) * c.WIDTH]
 
 
 @compiled(inline=True, cached=False, fast=True)

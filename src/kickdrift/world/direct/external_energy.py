@@ -46,7 +46,7 @@ def driving_speed(island: int, world: int) -> float:
     most = 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields = constraint(order[k, 0], world)
-        most = max(most, abs(fields[c.SLIDE * c.WIDTH]), abs(fields[(c.SLIDE + 1) * c.WIDTH]))
+        most = max(most, abs(fields[c.SURFACE_SPEED * c.WIDTH]), abs(fields[(c.SURFACE_SPEED + 1) * c.WIDTH]))
         bodies, arm = bodies_of(order[k, 0], world), vector_of(fields, c.CENTRE)
         for side in range(2):
             body = bodies[1] if side == 1 else bodies[0]

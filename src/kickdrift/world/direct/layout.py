@@ -54,7 +54,7 @@ MOVED = column(CONTACT_ROW, CONTACT_ROWS)  # change of speed in the current solu
 GIVEN = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse in the current solution
 STATE = column(CONTACT_ROW, CONTACT_ROWS)  # OPEN, HELD or SLIDING
 BOUND = column(CONTACT_ROW, 3)  # largest impulse along the tangents, of twist, of rolling
-SLIDE = column(
+SLIDING_PART = column(
     CONTACT_ROW, 3
 )  # of a bound that is reached: the fraction of the stiffness left perpendicular to the impulse
 DIRECTION = (

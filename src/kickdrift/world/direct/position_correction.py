@@ -8,7 +8,7 @@ from kickdrift.world.direct.contacts import REST
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW
 from kickdrift.world.direct.loop_closures import stay_closings
 from kickdrift.world.joints.body_shift import shift_body
-from kickdrift.world.joints.kinematics import measure
+from kickdrift.world.joints.kinematics import measure_joint
 from kickdrift.world.joints.layout import GAIN, LINK_BODY, LINK_JOINT
 from kickdrift.world.joints.right_hand_side import REPAIR
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, LINK, LINK_NUMBERS, NODE, floats, integers
@@ -32,4 +32,4 @@ def repair(island: int, h: float, world: int) -> None:
             turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
             shift_body(links[link, LINK_BODY], way, turn, world)
         for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-            measure(links[order[place, 0], LINK_JOINT], 0.0, world)
+            measure_joint(links[order[place, 0], LINK_JOINT], 0.0, world)

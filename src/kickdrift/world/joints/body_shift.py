@@ -7,11 +7,11 @@ from kickdrift.world.joints.layout import ANGULAR_PART
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     DISPLACEMENT,
+    INERTIA_KIND,
     INVERSE_INERTIA_IN_WORLD,
     ORIENTATION,
     POSITION,
     ROTATION,
-    SPHERICAL,
     TUMBLES,
 )
 from kickdrift.world.tables import DELTA_POSE, INERTIA, INVERSE_MASS, MOTION, POSE, floats
@@ -36,7 +36,7 @@ def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
         motion[body, ANGULAR_VELOCITY + k] = w[k]
     for k in range(4):
         pose[body, ORIENTATION + k] = q[k]
-    if floats(world, INERTIA)[body, SPHERICAL] == TUMBLES:
+    if floats(world, INERTIA)[body, INERTIA_KIND] == TUMBLES:
         inverse = turned_symmetric(by, symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD))
         for k in range(6):
             inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]

@@ -25,7 +25,7 @@ from kickdrift.world.joints.layout import (
     PRINCIPAL,
     START_SPEED,
 )
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -97,4 +97,4 @@ def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
     turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), turn)
     for k in range(3):
         motion[body, k] += inverse_mass[body, 0] * push[k]
-        motion[body, 3 + k] += turned[k]
+        motion[body, ANGULAR_VELOCITY + k] += turned[k]

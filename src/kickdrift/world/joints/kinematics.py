@@ -141,11 +141,11 @@ def _measure_all(h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, FIRST], articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
-                measure(links[link, LINK_JOINT], h, world)
+                measure_joint(links[link, LINK_JOINT], h, world)
 
 
 @compiled(cached=False)
-def measure(joint: int, h: float, world: int) -> None:
+def measure_joint(joint: int, h: float, world: int) -> None:
     """Compute axes, arms, positions and angles of a joint from the poses of its bodies, a time h after the last measurement.
 
     Full turns are counted with the speed in this time, as wheels at 1000 rad/s turn by more than half a turn in a substep.

@@ -16,7 +16,7 @@ from kickdrift.world.columns import Fields, column
 from kickdrift.world.tables import ARTICULATION, GRAPH, JOINT, JOINT_AXES, JOINT_NUMBERS, LINK, LINK_NUMBERS
 
 # Columns of JOINT
-JOINT_KIND = column(JOINT)  # place in the catalogue of joints; REMOVED where there is none
+JOINT_KIND = column(JOINT)  # place in the catalogue of joints; REMOVED_JOINT where there is none
 BODY_A = column(JOINT)
 BODY_B = column(JOINT)
 GENERATION = column(JOINT)
@@ -29,7 +29,7 @@ BROKEN = column(JOINT)
 PRINCIPAL = column(JOINT)  # the axis that is meant where none is named; NONE
 GEARED_JOINTS = column(JOINT, 2)  # of gears: rows of JOINT; the gear holds its axis PRINCIPAL
 GEARED_AXES = column(JOINT, 2)  # and their axes
-REMOVED = -1
+REMOVED_JOINT = -1
 
 # Values of LINEAR
 FRAME = 0  # along the axes of the frame in a

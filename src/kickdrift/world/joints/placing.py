@@ -16,7 +16,7 @@ from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints.axis import finite
-from kickdrift.world.joints.kinematics import measure
+from kickdrift.world.joints.kinematics import measure_joint
 from kickdrift.world.joints.layout import (
     ANGULAR,
     ANGULAR_PART,
@@ -35,12 +35,12 @@ from kickdrift.world.joints.layout import (
     LOCKED,
     LOWER_LIMIT,
     PIVOT,
-    REMOVED,
+    REMOVED_JOINT,
     SWING_TWIST,
     UNIVERSAL,
     UPPER_LIMIT,
 )
-from kickdrift.world.layout import BODY_KIND, DYNAMIC, POSITION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, DYNAMIC, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Side(NamedTuple):
 def measure_again(joints: Any, world: int) -> None:
     """Measure some joints in their present poses."""
     for k in range(len(joints)):
-        measure(joints[k], 0.0, world)
+        measure_joint(joints[k], 0.0, world)
 
 
 @compiled
@@ -89,9 +89,9 @@ def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> 
         w = plus(spin, turned(q, minus(vector_at(motion, body, ANGULAR_PART), spin)))
         orientation = unit(product(q, quaternion_at(pose, body, ANGULAR_PART)))
         for k in range(3):
-            pose[body, k], motion[body, k], motion[body, 3 + k] = at[k], v[k], w[k]
+            pose[body, POSITION + k], motion[body, VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = at[k], v[k], w[k]
         for k in range(4):
-            pose[body, 3 + k] = orientation[k]
+            pose[body, ORIENTATION + k] = orientation[k]
 
 
 def signs(tables: Tables, row: int) -> Floats:
@@ -124,7 +124,7 @@ def set_speed(joint: "Joint", k: int, speed: float) -> None:
         motion[side.moved, :3] += change
         return
     motion[side.moved, :3] += np.cross(change, tables.array(POSE)[side.moved, :3] - pivot)
-    motion[side.moved, 3:6] += change
+    motion[side.moved, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3] += change
 
 
 def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float, Side]:
@@ -164,7 +164,9 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
     joints = tables.array(JOINT)
     moves = np.zeros(tables.count(BODY), dtype=np.bool_)
     moves[side.moved] = True
-    touched = np.flatnonzero((moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, JOINT_KIND] != REMOVED))
+    touched = np.flatnonzero(
+        (moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, JOINT_KIND] != REMOVED_JOINT)
+    )
     move = shift if k < 3 else turn
     move(side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]), tables.address)
     measure_again(touched, tables.address)
@@ -222,7 +224,7 @@ def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
     """Return the bodies that each body is connected to by joints with locked axes or limits, without one joint."""
     joints = tables.array(JOINT)
     limits = tables.array(JOINT_AXES)[:, [LOWER_LIMIT, UPPER_LIMIT]].reshape(-1, 12)
-    holds = (joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] == 0)
+    holds = (joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] == 0)
     holds &= (joints[:, LOCKED] != 0) | np.isfinite(limits).any(axis=1)
     holds[without] = False
     found: dict[int, list[int]] = {}

@@ -47,7 +47,7 @@ from kickdrift.world.joints.layout import (
     POINT,
     PRINCIPAL,
     RATES,
-    REMOVED,
+    REMOVED_JOINT,
     RIGID,
     SEQUENTIAL,
     SWING_TWIST,
@@ -60,6 +60,7 @@ from kickdrift.world.joints.planar import within_plane
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
+from kickdrift.world.layout import ORIENTATION
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
@@ -80,7 +81,7 @@ class Joints:
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two joints would share a handle
 
     def __len__(self) -> int:
-        return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED).sum())
+        return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED_JOINT).sum())
 
     @undivided
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
@@ -113,7 +114,7 @@ class Joints:
             (body_a, ANCHOR_A, FRAME_A, placement.anchor_a),
             (body_b, ANCHOR_B, FRAME_B, placement.anchor_b),
         ):
-            back = poses[body, 3:7] * (1.0, -1.0, -1.0, -1.0)
+            back = poses[body, ORIENTATION : ORIENTATION + 4] * (1.0, -1.0, -1.0, -1.0)
             numbers[at : at + 3] = turned(back, anchor - poses[body, :3])
             numbers[turn : turn + 4] = product(back, frame)
         numbers[LENGTH] = placement.length
@@ -182,7 +183,7 @@ class Joints:
     def remove_of_body(self, body: int) -> None:
         """Remove all joints of a body, before it is removed."""
         joints = self.tables.array(JOINT)
-        there = (joints[:, JOINT_KIND] != REMOVED) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
+        there = (joints[:, JOINT_KIND] != REMOVED_JOINT) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
         for row in np.flatnonzero(there):
             self._remove_row(int(row))
 
@@ -194,7 +195,7 @@ class Joints:
     def take_broken(self) -> list[Joint]:
         """Remove the joints that have broken, and return their handles, which only identify them."""
         joints = self.tables.array(JOINT)
-        broken = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] != 0)).tolist()
+        broken = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
             self._remove_row(row)
@@ -244,7 +245,7 @@ class Joints:
         if not 0 <= index < self.tables.count(JOINT):
             return False
         row = self.tables.row(JOINT, index)
-        return bool(row.item(GENERATION) == generation and row.item(JOINT_KIND) != REMOVED)
+        return bool(row.item(GENERATION) == generation and row.item(JOINT_KIND) != REMOVED_JOINT)
 
     def handle(self, row: int) -> Joint:
         """Return the handle of a row."""
@@ -252,7 +253,7 @@ class Joints:
 
     def _free_row(self) -> int:
         joints = self.tables.array(JOINT)
-        free = np.flatnonzero(joints[:, JOINT_KIND] == REMOVED)
+        free = np.flatnonzero(joints[:, JOINT_KIND] == REMOVED_JOINT)
         if len(free):
             return int(free[0])
         row = len(joints)
@@ -265,12 +266,12 @@ class Joints:
     def _remove_row(self, row: int) -> None:
         wake_bodies(self.tables, row)
         joint = self.tables.array(JOINT)[row]
-        joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED, 0, 0, 0
+        joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED_JOINT, 0, 0, 0
         self.names.give(row, None)
         self.tables.version += 1
         self.arranged = False
         joints = self.tables.array(JOINT)
-        geared = (joints[:, LINEAR] == GEARED) & (joints[:, JOINT_KIND] != REMOVED)
+        geared = (joints[:, LINEAR] == GEARED) & (joints[:, JOINT_KIND] != REMOVED_JOINT)
         geared &= (joints[:, GEARED_JOINTS : GEARED_JOINTS + 2] == row).any(axis=1)
         for gear in np.flatnonzero(geared):
             self._remove_row(int(gear))

@@ -29,7 +29,7 @@ from kickdrift.world.joints.layout import (
     LOCKED,
     NONE,
     PARENT,
-    REMOVED,
+    REMOVED_JOINT,
     SEQUENTIAL,
     SIGN,
 )
@@ -84,7 +84,7 @@ def _edges(tables: Tables) -> list[_Edge]:
     """Joints that hold something that moves; a body that nothing moves is -1."""
     joints = tables.array(JOINT)
     moves: NDArray[np.bool_] = np.any(tables.array(INVERSE_MASS)[:, :7] != 0.0, axis=1)
-    there = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED) & (joints[:, BROKEN] == 0))
+    there = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] == 0))
     edges = []
     for joint in there.tolist():
         a, b = (int(body) if moves[body] else NONE for body in joints[joint, [BODY_A, BODY_B]])

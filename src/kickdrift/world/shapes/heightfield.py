@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -79,7 +80,7 @@ class HeightField:
         lower, upper = np.stack((a, b, c), axis=2), np.stack((a, c, d), axis=2)
         return Mesh(self.points.reshape(-1, 3), np.stack((lower, upper), axis=2).reshape(-1, 3))
 
-    @property
+    @cached_property
     def numbers(self) -> Array:
         """The data for compiled code: the triangles."""
         return self.mesh.numbers

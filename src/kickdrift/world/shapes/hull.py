@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -110,7 +111,7 @@ class Hull:
         object.__setattr__(self, "vertices", centre + size * corners)
         object.__setattr__(self, "faces", faces)
 
-    @property
+    @cached_property
     def numbers(self) -> Array:
         """The data for compiled code."""
         return polyhedron_numbers(self.vertices, self.faces)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -74,7 +75,7 @@ class Mesh:
         """Corners of each triangle, (F, 3, 3), m."""
         return self.vertices[self.faces]
 
-    @property
+    @cached_property
     def numbers(self) -> Array:
         """The data for compiled code: the number of triangles, and for each nine coordinates and three flags of edges."""
         count = len(self.faces)

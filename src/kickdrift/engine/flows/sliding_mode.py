@@ -1,0 +1,163 @@
+"""Sliding modes: motion along a switch to which the forces on both sides lead back, such as dry friction at rest.
+
+Templates. By Filippov's rule, the force there is the mean of those of both sides with which the switch stays zero. For forces
+that are linear in the side it is that of a side between -1 and 1, the equivalent control (V. I. Utkin, Sliding Modes in Control
+and Optimization (1992), chapter 2). It is constant during a step, at first from the rates of the switch at its start, then by
+iteration such that the step ends at the switch: of second order, for any method.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.core.compilation import compiled, unbound
+from kickdrift.core.elementwise import assign
+from kickdrift.engine.flows.error_control import saved
+from kickdrift.engine.flows.layout import (
+    CHANGES,
+    CHATTERING,
+    END,
+    EVALUATIONS,
+    FIRST_STEP,
+    TROUBLE,
+    VELOCITY,
+    has_part,
+    own_params,
+)
+from kickdrift.engine.flows.resting import FREE_V, FREE_X
+from kickdrift.engine.flows.surfaces import (
+    FLIES,
+    PLACE_OF_SIDES,
+    RESTING,
+    ROUNDS,
+    SHORT,
+    SIDE,
+    SLIDES_ON,
+    STEEPNESS,
+    SWITCH,
+    params_of_gaps,
+    place,
+    room_of_accelerations,
+    room_of_gaps,
+    row_of,
+)
+
+Floats = NDArray[np.float64]
+
+acceleration_at: Callable[..., None] = unbound
+velocity_at: Callable[..., None] = unbound
+gaps_at: Callable[..., None] = unbound
+rate_of_switch: Callable[..., float] = unbound
+take_equivalent_side: Callable[..., bool] = unbound
+
+_MOMENT = 1e-4  # of a step, by which the rate of a switch is a difference
+_LINEAR = 1e-2  # of the difference of the rates on both sides
+_SLIDES_AFTER = 2.0  # consecutive cuts without time between
+_SETTLED, _MOST_ROUNDS = 1e-12, 20  # of the iteration for the side
+
+
+@compiled
+def may_slide(work: Floats) -> bool:
+    """Whether the force gets the sides."""
+    return bool(own_params(work)[PLACE_OF_SIDES] >= 0.0)
+
+
+@compiled
+def begin_sliding(row: int, work: Floats) -> None:
+    """Let the next step slide along a switch, if it has been crossed too often without time between."""
+    if own_params(work)[SHORT] > _SLIDES_AFTER and may_slide(work):
+        row_of(RESTING, work)[row] = SLIDES_ON
+
+
+@compiled
+def place_of_side(row: int, work: Floats) -> int:
+    """Return where the side of a switch is in the params of the force."""
+    index, switch = int(own_params(work)[PLACE_OF_SIDES]), row_of(SWITCH, work)
+    for i in range(row):
+        index += 1 if switch[i] != 0.0 else 0
+    return index
+
+
+def find_rate(row: int, side: float, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> float:
+    """Return the rate at which a switch grows along the run under the force of a side, which is left in `params`."""
+    n, room = x.size, room_of_gaps(x.size, work)
+    rate, a = place(n, work), room_of_accelerations(n, work)
+    there, v_there = saved(n, FREE_X, n, work), saved(n, FREE_V, v.size, work)
+    params[place_of_side(row, work)] = side
+    if has_part(VELOCITY, work):
+        velocity_at(t, x, v, params, work, rate)
+    else:
+        assign(rate, v)
+    if v.size > 0:
+        acceleration_at(t, x, v, params, work, a)
+    work[EVALUATIONS] += 1.0
+    moment = _MOMENT * work[FIRST_STEP]
+    if (work[END] - t - moment) * moment < 0.0:
+        moment = -moment
+    for i in range(n):
+        there[i] = x[i] + moment * rate[i]
+    for i in range(v.size):
+        v_there[i] = v[i] + moment * a[i]
+    gaps_at(t, x, v, params_of_gaps(n, work), work, room)
+    now = room[row]
+    gaps_at(t + moment, there, v_there, params_of_gaps(n, work), work, room)
+    return float((room[row] - now) / moment if work[FIRST_STEP] > 0.0 else (now - room[row]) / moment)
+
+
+def find_equivalent_side(row: int, t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> bool:
+    """Take the side with which a switch stays zero, and return whether there is one that both sides lead back to.
+
+    It fails for forces that are not linear in the side.
+    """
+    below = rate_of_switch(row, -1.0, t, x, v, params, work)
+    above = rate_of_switch(row, 1.0, t, x, v, params, work)
+    if not (below > 0.0 and above < 0.0):
+        return False
+    equivalent = (below + above) / (below - above)
+    if abs(rate_of_switch(row, equivalent, t, x, v, params, work)) > _LINEAR * (below - above):
+        work[TROUBLE] = CHATTERING
+    row_of(SIDE, work)[row], row_of(STEEPNESS, work)[row] = equivalent, 0.5 * (above - below)
+    return True
+
+
+def slide_or_leave(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Begin a step with the equivalent sides of the switches along which the motion slides, or leave those that let it go."""
+    resting = row_of(RESTING, work)
+    for row in range(resting.size):
+        if resting[row] == SLIDES_ON:
+            work[CHANGES] += 1.0
+            if not take_equivalent_side(row, t, x, v, params, work):
+                resting[row] = FLIES
+                leaves = rate_of_switch(row, 1.0, t, x, v, params, work) >= 0.0
+                row_of(SIDE, work)[row] = 1.0 if leaves else -1.0
+
+
+def miss_switches(t: float, h: float, x: Floats, v: Floats, work: Floats) -> bool:
+    """Return whether a step has to be repeated to end at the switches along which the motion slides, with corrected sides."""
+    resting, side, steepness = row_of(RESTING, work), row_of(SIDE, work), row_of(STEEPNESS, work)
+    own, room, largest = own_params(work), room_of_gaps(x.size, work), 0.0
+    gaps_at(t, x, v, params_of_gaps(x.size, work), work, room)
+    for row in range(resting.size):
+        if resting[row] == SLIDES_ON:
+            better = min(max(side[row] - room[row] / (abs(h) * steepness[row]), -1.0), 1.0)
+            largest = max(largest, abs(better - side[row]))
+            side[row] = better
+    own[ROUNDS] += 1.0
+    if largest > _SETTLED and own[ROUNDS] < _MOST_ROUNDS:
+        work[CHANGES] += 1.0
+        return True
+    own[ROUNDS] = 0.0
+    for row in range(resting.size):
+        if resting[row] == SLIDES_ON and abs(side[row]) == 1.0:
+            resting[row] = FLIES
+    return False
+
+
+@compiled
+def something_slides(work: Floats) -> bool:
+    """Whether the motion slides along a switch."""
+    resting, some = row_of(RESTING, work), False
+    for row in range(resting.size):
+        some = some or resting[row] == SLIDES_ON
+    return some
