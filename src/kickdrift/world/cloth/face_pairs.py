@@ -25,7 +25,7 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.cloth.separation import are_apart, nearing
-from kickdrift.world.cloth.swept import least_cosine, predicted_position
+from kickdrift.world.cloth.swept import least_cosine, predicted
 from kickdrift.world.cloth.tangles import note_crossing
 from kickdrift.world.columns import vector_at
 from kickdrift.world.step_status import ask_for_room
@@ -156,11 +156,7 @@ def _predicted_distance(world: int, kind: int, at: Corners) -> float:
     """Return the distance of a pair at the present predicted positions, m."""
     age, (i, j, k, m) = floats(world, CLOTH_SEARCH)[0, SEARCH_AGE], at
     _, apart = nearest(
-        kind,
-        predicted_position(world, i, age),
-        predicted_position(world, j, age),
-        predicted_position(world, k, age),
-        predicted_position(world, m, age),
+        kind, predicted(world, i, age), predicted(world, j, age), predicted(world, k, age), predicted(world, m, age)
     )
     return length(apart)
 

@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus, plus, times
 from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, PREDICTED_VELOCITY, SEARCH_AGE, SEARCH_HORIZON, SKIN
 from kickdrift.world.cloth.proximity import Corners, closing, less_mean
-from kickdrift.world.cloth.swept import predicted_position
+from kickdrift.world.cloth.swept import predicted
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE_PATH, floats, integers
 
@@ -33,16 +33,8 @@ def _corners(world: int, f: int) -> tuple[Triangle, Triangle]:
     face, search = integers(world, FACE), floats(world, CLOTH_SEARCH)
     i, j, k = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
     now, then = search[0, SEARCH_AGE], search[0, SEARCH_HORIZON]
-    at_present = (
-        predicted_position(world, i, now),
-        predicted_position(world, j, now),
-        predicted_position(world, k, now),
-    )
-    return at_present, (
-        predicted_position(world, i, then),
-        predicted_position(world, j, then),
-        predicted_position(world, k, then),
-    )
+    at_present = (predicted(world, i, now), predicted(world, j, now), predicted(world, k, now))
+    return at_present, (predicted(world, i, then), predicted(world, j, then), predicted(world, k, then))
 
 
 @compiled(inline=True)

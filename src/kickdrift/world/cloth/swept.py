@@ -206,7 +206,7 @@ def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None
 
 
 @compiled(inline=True)
-def predicted_position(world: int, i: int, age: float) -> Vector:
+def predicted(world: int, i: int, age: float) -> Vector:
     """Return the predicted position of a particle at an age of the search, s."""
     path = floats(world, PARTICLE_PATH)
     return plus(vector_at(path, i, 0), times(age - path[i, PREDICTED_AT], vector_at(path, i, PREDICTED_VELOCITY)))
@@ -244,9 +244,9 @@ def _enclose_normal(world: int, f: int) -> None:
 def _normal(world: int, f: int, age: float) -> Vector:
     """Return the predicted normal of a triangle at an age of the search, s, times twice its area."""
     face = integers(world, FACE)
-    origin = predicted_position(world, face[f, CORNERS], age)
-    p = minus(predicted_position(world, face[f, CORNERS + 1], age), origin)
-    return cross(p, minus(predicted_position(world, face[f, CORNERS + 2], age), origin))
+    origin = predicted(world, face[f, CORNERS], age)
+    p = minus(predicted(world, face[f, CORNERS + 1], age), origin)
+    return cross(p, minus(predicted(world, face[f, CORNERS + 2], age), origin))
 
 
 @compiled
