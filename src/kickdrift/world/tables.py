@@ -54,7 +54,7 @@ STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step_st
 EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
-JOINT_NUMBERS = Table(18, 88)
+JOINT_NUMBERS = Table(18, 96)
 JOINT_AXES = Table(45, 16)  # six rows a joint
 LANES = Table(20, 1)  # constraints in groups of lanes, whose fields are in `kickdrift.world.contacts.layout`
 GROUPS = Table(21, 24, whole=True)  # contents of these groups: see there
