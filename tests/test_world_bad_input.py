@@ -435,10 +435,10 @@ class Pull:
     [
         (opens, r"force opens cannot be compiled: The 'with .*' construct is not supported"),
         (sets, r"force sets cannot be compiled: Use of unsupported opcode"),
-        (yields, "is a partial, a method, a generator or the like"),
-        (functools.partial(lambda force, k: None, k=1), "is a partial, a method, a generator or the like"),
-        (Pull(), "is a partial, a method, a generator or the like"),
-        (Pull().method, "is a partial, a method, a generator or the like"),
+        (yields, "is an async function or a generator"),
+        (functools.partial(lambda force, k: None, k=1), "is a partial, a method or the like"),
+        (Pull(), "is a partial, a method or the like"),
+        (Pull().method, "is a partial, a method or the like"),
     ],
 )
 def test_forces_that_cannot_be_compiled(force, words):

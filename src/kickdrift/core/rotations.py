@@ -49,6 +49,17 @@ def about(axis: ArrayLike, angle: float) -> Floats:
     return np.concatenate(([np.cos(angle / 2)], np.sin(angle / 2) * np.asarray(axis)))
 
 
+def matrices(q: ArrayLike) -> Floats:
+    """Return the rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
+    rows = (
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
+    )  # fmt: skip
+    return np.stack(rows, axis=-1).reshape(*np.shape(w), 3, 3)
+
+
 def of_matrix(matrix: Floats) -> Floats:
     """Return the quaternion of a (3, 3) rotation matrix.
 

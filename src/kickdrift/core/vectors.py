@@ -91,6 +91,17 @@ def is_scaled(q: Quaternion) -> bool:
 
 
 @compiled(inline=True)
+def matrix(q: Quaternion) -> tuple[Vector, Vector, Vector]:
+    """Return the rows of the rotation matrix of a unit quaternion."""
+    w, x, y, z = q
+    return (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    )
+
+
+@compiled(inline=True)
 def turned(q: Quaternion, a: Vector) -> Vector:
     """Turn a vector: from a body's axes to the world's."""
     u = (q[1], q[2], q[3])

@@ -6,9 +6,10 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from kickdrift.core.rotations import turn_to
 from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.adding import AddsBodies
-from kickdrift.world.arguments import turn_to
+from kickdrift.world.arguments import direction
 from kickdrift.world.body import Body
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
@@ -147,7 +148,9 @@ class AddsShapes(AddsBodies):
         >>> bool(abs(ball.position[2] - 0.1) < 1e-3)
         True
         """
-        return self.add_body(Plane(), position=point, orientation=turn_to(normal), static=True, **options)
+        return self.add_body(
+            Plane(), position=point, orientation=turn_to(direction("normal", normal)), static=True, **options
+        )
 
     @shows_parameters_of(AddsBodies.add_body, _OF_MOVABLE)
     def add_mesh(self, vertices: ArrayLike, faces: ArrayLike, **options: Any) -> Body:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.arguments import choice, real, reals
 from kickdrift.core.errors import ArgumentError
 
-__all__ = ["choice", "direction", "number", "turn_to", "unit_quaternion", "vector"]
+__all__ = ["choice", "direction", "number", "unit_quaternion", "vector"]
 
 Floats = NDArray[np.float64]
 
@@ -38,18 +38,13 @@ def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
 def direction(argument: str, value: ArrayLike) -> Floats:
     """Return a vector divided by its length, (3,); ArgumentError for a length of zero."""
     v = vector(argument, value, 3)
-    size = float(np.linalg.norm(v))
+    size = np.abs(v).max()
     if size == 0.0:
-        raise ArgumentError(f"{argument}={value!r} has no direction; (0, 0, 1) points up.")
-    return v / size
-
-
-def turn_to(normal: ArrayLike) -> Floats:
-    """Return the quaternion of the shortest rotation from the z axis to a direction, (4,)."""
-    x, y, z = direction("normal", normal)
-    if z < -0.999999999:
-        return np.array([0.0, 1.0, 0.0, 0.0])
-    return unit_quaternion("normal", (1.0 + z, -y, x, 0.0))
+        raise ArgumentError(
+            f"{argument}={value!r} has no direction; give a vector that is not zero: (0, 0, 1) points up."
+        )
+    v = v / size  # whose square is neither infinite nor zero
+    return np.asarray(v / np.linalg.norm(v))
 
 
 def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.rotations import cross
+from kickdrift.core.rotations import cross, matrices
 from kickdrift.world import settings
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.cloth.energy import cloth_angular_momentum, cloth_energy, cloth_momentum
@@ -112,20 +112,8 @@ def _spin(tables: Tables, rows: NDArray[np.intp]) -> Floats:
     """Return the angular momentum of each body about its centre of mass, (N, 3), kg m^2/s."""
     xx, yy, zz, xy, xz, yz = tables.array(INERTIA)[rows, BODY_INERTIA : BODY_INERTIA + 6].T
     moments = np.stack((xx, xy, xz, xy, yy, yz, xz, yz, zz), axis=-1).reshape(-1, 3, 3)
-    turn = _matrices(tables.array(POSE)[rows, ORIENTATION : ORIENTATION + 4])
+    turn = matrices(tables.array(POSE)[rows, ORIENTATION : ORIENTATION + 4])
     spin: Floats = np.einsum(
         "nij,njk,nlk,nl->ni", turn, moments, turn, tables.array(MOTION)[rows, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]
     )
     return spin
-
-
-def _matrices(q: Floats) -> Floats:
-    """Return rotation matrices, (N, 3, 3), of unit quaternions, (N, 4)."""
-    w, x, y, z = q.T
-    rows = (
-        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
-    )  # fmt: skip
-    matrices: Floats = np.stack(rows, axis=-1).reshape(-1, 3, 3)
-    return matrices

@@ -150,7 +150,7 @@ def force_of(function: Function, sort: Sort = FORCES) -> Force:
     python = getattr(function, "py_func", function)
     if not isinstance(python, FunctionType) or python.__code__.co_flags & _LAZY:
         raise ArgumentError(
-            f"{sort.name}={function!r} is a partial, a method, a generator or the like, which cannot be compiled; give a"
+            f"{sort.name}={function!r} is a partial, a method or the like, which cannot be compiled; give a"
             " function defined with def."
         )
     taken = taken_apart(function)

@@ -12,6 +12,7 @@ from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
 from kickdrift.world.contacts.residual import LEFT
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
     AWAKE,
     BODY_KIND,
     DYNAMIC,
@@ -139,7 +140,7 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
         per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
         pushes = (
             np.abs(motion[:, :3]).max(axis=1),
-            np.abs(motion[:, 3:6]).max(axis=1) * reach,
+            np.abs(motion[:, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]).max(axis=1) * reach,
             np.abs(load[:, :3]).max(axis=1) * per_force * step,
             np.abs(load[:, 3:6]).max(axis=1) * per_torque * step * reach,
         )

@@ -5,10 +5,12 @@ import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
-from kickdrift.world.direct.energy_losses import LONG_TURN
+from kickdrift.world.direct.refinement import LONG_TURN
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
+    FAST_REFINEMENT,
+    FAST_SINCE,
     FAST_TIME,
     FAST_TURN,
     MISSED_BODY,
@@ -56,7 +58,7 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     """Return the message of TURNS_TOO_FAST."""
     row = tables.array(SETTINGS)[0]
     turn, body = float(row[FAST_TURN]), bodies.words(int(row[FAST_BODY]))
-    times = max(turn / LONG_TURN, 2.0)
+    times = row[FAST_REFINEMENT]
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
     if turn <= LONG_TURN:
         why = (
@@ -65,7 +67,10 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
         )
     part, end = 100 * row[FAST_LOSS], row[FAST_TIME]
     change = f"{'lost' if part > 0.0 else 'gained'} {abs(part):.2g} %"
+    when = f"in the step to t={end:.4g} s"
+    if end - row[FAST_SINCE] > 1.5 * row[STEP]:
+        when = f"from t={row[FAST_SINCE]:.4g} s to {end:.4g} s"
     return (
-        f"{why}: they {change} of the energy of their bodies in the step to t={end:.4g} s. Set world.substeps"
+        f"{why}: they {change} of the energy of their bodies {when}. Set world.substeps"
         f" = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
     )

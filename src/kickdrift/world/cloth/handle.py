@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import direction, number, vector
 from kickdrift.world.body import Body
+from kickdrift.world.cloth.layout import PARTICLE_MASS, PARTICLE_VELOCITY
 from kickdrift.world.handle import Handle
 
 if TYPE_CHECKING:
@@ -68,12 +69,12 @@ class Cloth(Handle):
     @property
     def velocity(self) -> Floats:
         """Velocities of the vertices, (N, 3), m/s."""
-        return self._cloths.particles(self)[:, 4:7]
+        return self._cloths.particles(self)[:, PARTICLE_VELOCITY : PARTICLE_VELOCITY + 3]
 
     @property
     def mass(self) -> Floats:
         """Masses of the vertices, (N,), kg, a copy."""
-        return self._cloths.particles(self)[:, 7].copy()
+        return self._cloths.particles(self)[:, PARTICLE_MASS].copy()
 
     @property
     def triangles(self) -> NDArray[np.int64]:

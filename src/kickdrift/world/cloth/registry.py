@@ -214,7 +214,7 @@ class Cloths:
         particles = self.tables.array(PARTICLE)
         remove_pins(self.tables, rows)
         particles[rows, c.PARTICLE_INVERSE_MASS] = 0.0
-        particles[rows, 4:7] = 0.0
+        particles[rows, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3] = 0.0
         if of is not None:
             add_pins(self.tables, rows, of)
         self._couple(self.row(cloth))

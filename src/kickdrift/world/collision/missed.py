@@ -35,6 +35,7 @@ from kickdrift.world.layout import (
     FIRST_TREE_NODE,
     IS_SENSOR,
     LAST_TREE_NODE,
+    LOWER,
     ORIENTATION,
     PLACE_ORIENTATION,
     PLACE_POSITION,
@@ -42,6 +43,7 @@ from kickdrift.world.layout import (
     PLACED_POSITION,
     POSITION,
     RADIUS,
+    UPPER,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
@@ -151,7 +153,7 @@ def _find_body(world: int) -> int:
             continue
         box, known = _swept(world, shape), True
         for j in range(3):
-            known = known and bounds[shape, j] <= box[j] and box[3 + j] <= bounds[shape, 3 + j]
+            known = known and bounds[shape, LOWER + j] <= box[j] and box[3 + j] <= bounds[shape, UPPER + j]
         if not known and _meets_unknown(world, shape, box):
             own: int = integers(world, SHAPE)[shape, BODY_ROW]
             return own

@@ -278,7 +278,7 @@ def _described(tables: Tables, rays: Floats, hits: Floats) -> RayHits:
     shape = hits[:, SHAPE_HIT].astype(np.int64)
     met = shape >= 0
     body = np.full(len(hits), -1)
-    body[met] = tables.array(SHAPE)[shape[met], 1]
+    body[met] = tables.array(SHAPE)[shape[met], BODY_ROW]
     point = np.full((len(hits), 3), np.nan)
     point[met] = rays[met, :3] + hits[met, DISTANCE, None] * rays[met, 3:6]
     return RayHits(shape, body, hits[:, DISTANCE].copy(), point, hits[:, NORMAL : NORMAL + 3].copy())

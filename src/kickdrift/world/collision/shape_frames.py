@@ -3,23 +3,23 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector
+from kickdrift.core.vectors import Quaternion, Vector, matrix
 
 
 @compiled
 def set_frame(frame: Any, pose: Any) -> None:
     """Write the frame of a pose: origin (3) and orientation (4)."""
-    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
-    frame[0] = 1.0 - 2.0 * (y * y + z * z)
-    frame[1] = 2.0 * (x * y - w * z)
-    frame[2] = 2.0 * (x * z + w * y)
-    frame[3] = 2.0 * (x * y + w * z)
-    frame[4] = 1.0 - 2.0 * (x * x + z * z)
-    frame[5] = 2.0 * (y * z - w * x)
-    frame[6] = 2.0 * (x * z - w * y)
-    frame[7] = 2.0 * (y * z + w * x)
-    frame[8] = 1.0 - 2.0 * (x * x + y * y)
+    _set_turn(frame, (pose[3], pose[4], pose[5], pose[6]))
     frame[9], frame[10], frame[11] = pose[0], pose[1], pose[2]
+
+
+@compiled(inline=True)
+def _set_turn(frame: Any, q: Quaternion) -> None:
+    """Write the rotation matrix of a frame."""
+    rows = matrix(q)
+    frame[0], frame[1], frame[2] = rows[0]
+    frame[3], frame[4], frame[5] = rows[1]
+    frame[6], frame[7], frame[8] = rows[2]
 
 
 @compiled
@@ -65,9 +65,5 @@ def placed_back(frame: Any, a: Vector) -> Vector:
 @compiled
 def set_frame_back(frame: Any, pose: Any) -> None:
     """Write the frame of the first shape in the second's, from the pose of the second in the first's."""
-    w, x, y, z = pose[3], -pose[4], -pose[5], -pose[6]
-    frame[0], frame[4], frame[8] = 1.0 - 2.0 * (y * y + z * z), 1.0 - 2.0 * (x * x + z * z), 1.0 - 2.0 * (x * x + y * y)
-    frame[1], frame[3] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)
-    frame[2], frame[6] = 2.0 * (x * z + w * y), 2.0 * (x * z - w * y)
-    frame[5], frame[7] = 2.0 * (y * z - w * x), 2.0 * (y * z + w * x)
+    _set_turn(frame, (pose[3], -pose[4], -pose[5], -pose[6]))
     frame[9], frame[10], frame[11] = directed(frame, (-pose[0], -pose[1], -pose[2]))

@@ -20,40 +20,8 @@ Euler, which brings them to rest. Newmark, J. Eng. Mech. Div. 85 (1959) 67; Kane
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.kinematics import shares_friction
-from kickdrift.world.joints.layout import (
-    ACCEPTED_DELTA_SPEED,
-    ACCEPTED_IMPULSE,
-    ANGULAR,
-    AXIS_SPEED,
-    BRAKE,
-    DRIVE_CONSTANT,
-    DRIVE_DAMPING,
-    DRIVE_MAXIMUM,
-    DRIVE_SLOPE,
-    DRIVE_STIFFNESS,
-    DRIVEN,
-    DRIVEN_MASS,
-    FRICTION_SHARE,
-    JOINT_FRICTION,
-    JOINT_IMPULSE,
-    JOINT_POSITION,
-    LAW_BASE,
-    LAW_STATE,
-    LAWS,
-    LOWER_LIMIT,
-    MOBILITY,
-    MOTOR_MAXIMUM,
-    MOTOR_SPEED,
-    PUSH,
-    SLOPE,
-    START_SPEED,
-    SWING_TWIST,
-    TARGET,
-    TARGET_SPEED,
-    TWIST_SCALE,
-    UPPER_LIMIT,
-)
 from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBERS, floats, integers
 
 # Impulse of an upright piece per speed missing, over the mass that it moves. What is left is put right by solutions that begin
@@ -158,16 +126,18 @@ def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, f
     """Impulse of a drive: constant, slope, maximum; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
-    stiffness, damping = laws[row, DRIVE_STIFFNESS], laws[row, DRIVE_DAMPING]
-    off = numbers[joint, DRIVEN + k - 3] if k >= 3 else numbers[joint, JOINT_POSITION + k] - laws[row, TARGET]
+    stiffness, damping = laws[row, j.DRIVE_STIFFNESS], laws[row, j.DRIVE_DAMPING]
+    off = numbers[joint, j.DRIVEN + k - 3] if k >= 3 else numbers[joint, j.JOINT_POSITION + k] - laws[row, j.TARGET]
     stiff = h * h * stiffness
-    alpha = stiff * stiff / (laws[row, DRIVEN_MASS] * laws[row, DRIVEN_MASS] + stiff * stiff) if stiff > 0.0 else 0.0
+    alpha = (
+        stiff * stiff / (laws[row, j.DRIVEN_MASS] * laws[row, j.DRIVEN_MASS] + stiff * stiff) if stiff > 0.0 else 0.0
+    )
     beta = 0.25 * (1.0 - alpha)
-    constant = h * (damping * laws[row, TARGET_SPEED] - stiffness * (off - h * beta * laws[row, START_SPEED]))
+    constant = h * (damping * laws[row, j.TARGET_SPEED] - stiffness * (off - h * beta * laws[row, j.START_SPEED]))
     slope = h * (damping + h * stiffness * (alpha + beta))
     if k >= 3:
-        slope += numbers[joint, BRAKE + k - 3]
-    return constant, slope, h * laws[row, DRIVE_MAXIMUM]
+        slope += numbers[joint, j.BRAKE + k - 3]
+    return constant, slope, h * laws[row, j.DRIVE_MAXIMUM]
 
 
 @compiled(inline=True, cached=False)
@@ -177,27 +147,27 @@ def _piece(
     """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
-    at = numbers[joint, JOINT_POSITION + k]
-    lower, upper = laws[row, LOWER_LIMIT] - at, laws[row, UPPER_LIMIT] - at
+    at = numbers[joint, j.JOINT_POSITION + k]
+    lower, upper = laws[row, j.LOWER_LIMIT] - at, laws[row, j.UPPER_LIMIT] - at
     back = h * _RETURN
     lower, upper = min(lower, back), max(upper, -back)
     if relaxing:  # what has been passed is left as it is, and the drive is the one that it was before the drift
         lower, upper = min(lower, 0.0), max(upper, 0.0)
-        constant, slope, maximum = laws[row, DRIVE_CONSTANT], laws[row, DRIVE_SLOPE], h * laws[row, DRIVE_MAXIMUM]
+        constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
     else:
         constant, slope, maximum = _drive_of(joint, k, h, world)
-    scale = numbers[joint, TWIST_SCALE] if k == 5 and joints[joint, ANGULAR] == SWING_TWIST else 1.0
+    scale = numbers[joint, j.TWIST_SCALE] if k == 5 and joints[joint, j.ANGULAR] == j.SWING_TWIST else 1.0
     return solution(
         speed - mobility * impulse, mobility, scale * lower / h, scale * upper / h,
-        _friction(joint, link, k, h, world), h * laws[row, MOTOR_MAXIMUM], laws[row, MOTOR_SPEED], constant, slope, maximum,
+        _friction(joint, link, k, h, world), h * laws[row, j.MOTOR_MAXIMUM], laws[row, j.MOTOR_SPEED], constant, slope, maximum,
     )  # fmt: skip
 
 
 @compiled(inline=True, cached=False)
 def _friction(joint: int, link: int, k: int, h: float, world: int) -> float:
     """Bound the impulse of friction about or along an axis."""
-    most: float = h * floats(world, JOINT_AXES)[6 * joint + k, JOINT_FRICTION]
-    return most if k < 3 else most * floats(world, LINK_NUMBERS)[link, FRICTION_SHARE + k - 3]
+    most: float = h * floats(world, JOINT_AXES)[6 * joint + k, j.JOINT_FRICTION]
+    return most if k < 3 else most * floats(world, LINK_NUMBERS)[link, j.FRICTION_SHARE + k - 3]
 
 
 @compiled(cached=False)
@@ -210,7 +180,7 @@ def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool
     work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     if first:
         for k in range(3):
-            work[link, FRICTION_SHARE + k] = 1.0
+            work[link, j.FRICTION_SHARE + k] = 1.0
     if bounded or not shares_friction(joint, world):
         return True
     square, same = 1e-300, not first
@@ -218,30 +188,30 @@ def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool
         scale = 1.0 / math.sqrt(square)
         for k in range(3, 6):
             if relaxing:
-                constant, maximum = laws[6 * joint + k, DRIVE_CONSTANT], h * laws[6 * joint + k, DRIVE_MAXIMUM]
+                constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
             else:
                 constant, _, maximum = _drive_of(joint, k, h, world)
-            line = laws[6 * joint + k, MOBILITY] / (1.0 if first else _RIGID)
-            moved, base = work[link, ACCEPTED_DELTA_SPEED + k], work[link, LAW_BASE + k]
+            line = laws[6 * joint + k, j.MOBILITY] / (1.0 if first else _RIGID)
+            moved, base = work[link, j.ACCEPTED_DELTA_SPEED + k], work[link, j.LAW_BASE + k]
             if first:
                 moved, base = 0.0, 0.0
-            speed, impulse = work[link, AXIS_SPEED + k] + moved, numbers[joint, JOINT_IMPULSE + k] + base
+            speed, impulse = work[link, j.AXIS_SPEED + k] + moved, numbers[joint, j.JOINT_IMPULSE + k] + base
             wish = impulse - speed / line - _drive(0.0, constant, 0.0, maximum)
             if trial == 0:
                 square += wish * wish
             else:
                 share = abs(wish) * scale
-                same = same and abs(share - work[link, FRICTION_SHARE + k - 3]) <= _TURNED
-                work[link, FRICTION_SHARE + k - 3] = share
+                same = same and abs(share - work[link, j.FRICTION_SHARE + k - 3]) <= _TURNED
+                work[link, j.FRICTION_SHARE + k - 3] = share
     return same
 
 
 @compiled(cached=False)
 def law_impulse(joint: int, k: int, link: int, h: float, relaxing: bool, moved: float, world: int) -> float:
     """Impulse that a law gives, beyond the one before the solution, where the speed has changed by `moved`."""
-    work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, JOINT_IMPULSE + k]
-    mobility = floats(world, JOINT_AXES)[6 * joint + k, MOBILITY] / _RIGID
-    speed, base = work[link, AXIS_SPEED + k] + moved, work[link, LAW_BASE + k]
+    work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, j.JOINT_IMPULSE + k]
+    mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY] / _RIGID
+    speed, base = work[link, j.AXIS_SPEED + k] + moved, work[link, j.LAW_BASE + k]
     _, held, value, slope = _piece(joint, link, k, h, relaxing, speed, before + base, mobility, world)
     impulse: float = base + (value - speed) / mobility if held else value - slope * speed - before
     return impulse
@@ -253,48 +223,52 @@ def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bo
 
     Friction that several axes share stays as it is once it is `bounded`.
     """
-    laws, work, numbers = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    laws, work, numbers = (
+        integers(world, JOINT)[joint, j.LAWS],
+        floats(world, LINK_NUMBERS),
+        floats(world, JOINT_NUMBERS),
+    )
     settled = _share_friction(joint, link, h, relaxing, first, bounded, world)
     for k in range(6):
         if not laws >> k & 1:
             continue
         if first:
-            work[link, LAW_BASE + k], work[link, ACCEPTED_DELTA_SPEED + k], work[link, ACCEPTED_IMPULSE + k] = (
+            work[link, j.LAW_BASE + k], work[link, j.ACCEPTED_DELTA_SPEED + k], work[link, j.ACCEPTED_IMPULSE + k] = (
                 0.0,
                 0.0,
                 0.0,
             )
-        mobility = floats(world, JOINT_AXES)[6 * joint + k, MOBILITY]
-        before, rigid, base = work[link, AXIS_SPEED + k], mobility / _RIGID, work[link, LAW_BASE + k]
-        speed, impulse = before + work[link, ACCEPTED_DELTA_SPEED + k], numbers[joint, JOINT_IMPULSE + k] + base
+        mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY]
+        before, rigid, base = work[link, j.AXIS_SPEED + k], mobility / _RIGID, work[link, j.LAW_BASE + k]
+        speed, impulse = before + work[link, j.ACCEPTED_DELTA_SPEED + k], numbers[joint, j.JOINT_IMPULSE + k] + base
         line = mobility if first else rigid
         code, held, value, slope = _piece(joint, link, k, h, relaxing, speed, impulse, line, world)
-        settled = settled and code == work[link, LAW_STATE + k]
-        work[link, LAW_STATE + k] = code
-        work[link, SLOPE + k] = 1.0 / rigid if held else slope
-        free = base if held else value - numbers[joint, JOINT_IMPULSE + k]
-        work[link, PUSH + k] = free + (value - before) / rigid if held else free - slope * before
+        settled = settled and code == work[link, j.LAW_STATE + k]
+        work[link, j.LAW_STATE + k] = code
+        work[link, j.SLOPE + k] = 1.0 / rigid if held else slope
+        free = base if held else value - numbers[joint, j.JOINT_IMPULSE + k]
+        work[link, j.PUSH + k] = free + (value - before) / rigid if held else free - slope * before
     return settled
 
 
 @compiled(cached=False)
 def refine_laws(joint: int, link: int, world: int) -> float:
     """Let upright pieces begin with the impulses of the solution at hand, and return the speed that it leaves them."""
-    laws, work, worst = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS), 0.0
+    laws, work, worst = integers(world, JOINT)[joint, j.LAWS], floats(world, LINK_NUMBERS), 0.0
     for k in range(6):
         if laws >> k & 1:
-            given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, ACCEPTED_DELTA_SPEED + k]
-            if work[link, LAW_STATE + k] < _OPEN:
-                worst = max(worst, abs(given - work[link, LAW_BASE + k]) / work[link, SLOPE + k])
-            work[link, LAW_BASE + k] = given
+            given = work[link, j.PUSH + k] - work[link, j.SLOPE + k] * work[link, j.ACCEPTED_DELTA_SPEED + k]
+            if work[link, j.LAW_STATE + k] < _OPEN:
+                worst = max(worst, abs(given - work[link, j.LAW_BASE + k]) / work[link, j.SLOPE + k])
+            work[link, j.LAW_BASE + k] = given
     return worst
 
 
 @compiled(cached=False)
 def end_laws(joint: int, h: float, world: int) -> None:
     """Keep the drives of the substep for the relaxation, after the drift."""
-    joint_laws, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_AXES)
+    joint_laws, laws = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_AXES)
     for k in range(6):
         if joint_laws >> k & 1:
             constant, slope, _ = _drive_of(joint, k, h, world)
-            laws[6 * joint + k, DRIVE_CONSTANT], laws[6 * joint + k, DRIVE_SLOPE] = constant, slope
+            laws[6 * joint + k, j.DRIVE_CONSTANT], laws[6 * joint + k, j.DRIVE_SLOPE] = constant, slope

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import direction, vector
 from kickdrift.world.joints.axis import LOCKED, Axis, Drive, check_kind, is_number, pair
-from kickdrift.world.joints.record import Placement, Record, direction, frame_along, point
+from kickdrift.world.joints.record import Placement, Record, frame_along
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class Ball(Record):
 
     def placement(self) -> Placement:
         """Return the frame of the joint and the laws of its axes."""
-        anchor = point("anchor", self.anchor)
+        anchor = vector("anchor", self.anchor, 3)
         swing = None if self.swing_limit is None else (-math.inf, self.swing_limit)
         limits = (swing, None, self.twist_limits)
         x, y, z = (Axis(limits=limit, drive=self.drive, friction=self.friction) for limit in limits)

@@ -3,18 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
-from kickdrift.world.joints.layout import (
-    BREAKING_FORCE,
-    BREAKING_TORQUE,
-    BROKEN,
-    END,
-    FIRST,
-    JOINT_IMPULSE,
-    LAWS,
-    LINK_JOINT,
-    LOCKED,
-    TOTAL,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
 
 
@@ -24,14 +13,14 @@ def finish_joints(t: float, h: float, world: int) -> None:
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
-        for link in range(articulations[row, FIRST], articulations[row, END]):
-            joint = links[link, LINK_JOINT]
+        for link in range(articulations[row, j.FIRST], articulations[row, j.END]):
+            joint = links[link, j.LINK_JOINT]
             if joint < 0:
                 continue
             for k in range(6):
-                numbers[joint, TOTAL + k] /= h
-            force, torque = length(vector_at(numbers, joint, TOTAL)), length(vector_at(numbers, joint, TOTAL + 3))
-            if force > numbers[joint, BREAKING_FORCE] or torque > numbers[joint, BREAKING_TORQUE]:
-                joints[joint, LOCKED], joints[joint, LAWS], joints[joint, BROKEN] = 0, 0, 1
+                numbers[joint, j.TOTAL + k] /= h
+            force, torque = length(vector_at(numbers, joint, j.TOTAL)), length(vector_at(numbers, joint, j.TOTAL + 3))
+            if force > numbers[joint, j.BREAKING_FORCE] or torque > numbers[joint, j.BREAKING_TORQUE]:
+                joints[joint, j.LOCKED], joints[joint, j.LAWS], joints[joint, j.BROKEN] = 0, 0, 1
                 for k in range(6):
-                    numbers[joint, JOINT_IMPULSE + k] = 0.0
+                    numbers[joint, j.JOINT_IMPULSE + k] = 0.0

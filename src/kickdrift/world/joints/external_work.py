@@ -3,18 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, plus, times
 from kickdrift.world.columns import vector_at
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.kinematics import relative_velocity
-from kickdrift.world.joints.layout import (
-    ANGULAR_PART,
-    ARM_A,
-    ARM_B,
-    AXES,
-    BODY_A,
-    JOINT_IMPULSE,
-    LAWS,
-    LINEAR_PART,
-    START_SPEED,
-)
 from kickdrift.world.layout import BODY_KIND, KINEMATIC
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, floats, integers
 
@@ -23,27 +13,27 @@ from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTIO
 def external_work(joint: int, world: int) -> float:
     """Bound the energy that a joint adds to its dynamic bodies in the substep, J."""
     joints, bodies = integers(world, JOINT), integers(world, BODY)
-    work = _work_of_laws(joint, world) if joints[joint, LAWS] != 0 else 0.0
+    work = _work_of_laws(joint, world) if joints[joint, j.LAWS] != 0 else 0.0
     for side in range(2):
-        body = joints[joint, BODY_A + side]
+        body = joints[joint, j.BODY_A + side]
         if bodies[body, BODY_KIND] == KINEMATIC:
-            work += _work_of_kinematic(joint, body, ARM_A if side == 0 else ARM_B, world)
+            work += _work_of_kinematic(joint, body, j.ARM_A if side == 0 else j.ARM_B, world)
     return work
 
 
 @compiled(cached=False)
 def _work_of_laws(joint: int, world: int) -> float:
     """Bound the work of motors, drives and limits: impulse times the speeds before and after, where positive, J."""
-    axes, numbers, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    axes, numbers, laws = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     v, w = relative_velocity(joint, world)
     most = 0.0
     for k in range(6):
         if axes >> k & 1:
             impulse, speed = (
-                numbers[joint, JOINT_IMPULSE + k],
-                dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w),
+                numbers[joint, j.JOINT_IMPULSE + k],
+                dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w),
             )
-            most += max(impulse * laws[6 * joint + k, START_SPEED], 0.0) + max(impulse * speed, 0.0)
+            most += max(impulse * laws[6 * joint + k, j.START_SPEED], 0.0) + max(impulse * speed, 0.0)
     return most
 
 
@@ -51,10 +41,12 @@ def _work_of_laws(joint: int, world: int) -> float:
 def _work_of_kinematic(joint: int, body: int, arm: int, world: int) -> float:
     """Bound the work of a kinematic body on a joint: its impulse times the velocity of the point where it acts, J."""
     numbers, motion = floats(world, JOINT_NUMBERS), floats(world, MOTION)
-    v, w = vector_at(motion, body, LINEAR_PART), vector_at(motion, body, ANGULAR_PART)
+    v, w = vector_at(motion, body, j.LINEAR_PART), vector_at(motion, body, j.ANGULAR_PART)
     v = plus(v, cross(w, vector_at(numbers, joint, arm)))
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(3):
-        force = plus(force, times(numbers[joint, JOINT_IMPULSE + k], vector_at(numbers, joint, AXES + 3 * k)))
-        torque = plus(torque, times(numbers[joint, JOINT_IMPULSE + 3 + k], vector_at(numbers, joint, AXES + 9 + 3 * k)))
+        force = plus(force, times(numbers[joint, j.JOINT_IMPULSE + k], vector_at(numbers, joint, j.AXES + 3 * k)))
+        torque = plus(
+            torque, times(numbers[joint, j.JOINT_IMPULSE + 3 + k], vector_at(numbers, joint, j.AXES + 9 + 3 * k))
+        )
     return abs(dot(force, v)) + abs(dot(torque, w))

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.world.arguments import vector
 from kickdrift.world.joints.axis import LOCKED
-from kickdrift.world.joints.record import Placement, Record, point
+from kickdrift.world.joints.record import Placement, Record
 
 
 @dataclass(frozen=True)
@@ -35,5 +36,5 @@ class Fixed(Record):
 
     def placement(self) -> Placement:
         """Return the frame of the joint and the laws of its axes."""
-        anchor = point("anchor", self.anchor)
+        anchor = vector("anchor", self.anchor, 3)
         return Placement(anchor, anchor, np.eye(3), (LOCKED, LOCKED, LOCKED), (LOCKED, LOCKED, LOCKED))

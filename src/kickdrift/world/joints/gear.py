@@ -6,19 +6,9 @@ import numpy as np
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints import axis as axes_of
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis import FREE, finite
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.layout import (
-    ANGULAR,
-    BODY_A,
-    BODY_B,
-    HINGE,
-    JOINT_POSITION,
-    LINE,
-    LINEAR,
-    LOCKED,
-    PRINCIPAL,
-)
 from kickdrift.world.joints.placing import measure_again
 from kickdrift.world.joints.record import Geared, Placement, Record
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
@@ -83,7 +73,7 @@ class Gear(Record):
         tables = self.joint_a.joints.tables
         first, second = (tables.row(JOINT, joint.index) for joint in (self.joint_a, self.joint_b))
         moves = tables.array(BODY)[:, BODY_KIND] == DYNAMIC
-        pairs = [(first.item(a), second.item(b)) for a in (BODY_B, BODY_A) for b in (BODY_B, BODY_A)]
+        pairs = [(first.item(a), second.item(b)) for a in (j.BODY_B, j.BODY_A) for b in (j.BODY_B, j.BODY_A)]
         return max((pair for pair in pairs if pair[0] != pair[1]), key=lambda pair: (moves[pair[1]], moves[pair[0]]))
 
     def placement(self) -> Placement:
@@ -103,7 +93,7 @@ class Gear(Record):
         rates = (self.joint_a.sign(axes[0]), -self.ratio * self.joint_b.sign(axes[1]))
         numbers = registry.tables.array(JOINT_NUMBERS)
         total = sum(
-            rate * numbers.item(row, JOINT_POSITION + k) for rate, row, k in zip(rates, joints, axes, strict=True)
+            rate * numbers.item(row, j.JOINT_POSITION + k) for rate, row, k in zip(rates, joints, axes, strict=True)
         )
         locks = [axes_of.LOCKED if k == axes[0] else FREE for k in range(6)]
         nowhere = np.zeros(3)
@@ -122,17 +112,17 @@ def _axis(name: str, joint: Joint, axis: int | None) -> int:
         If it is ambiguous, locked, or has no position that can be coupled.
     """
     row = joint.joints.tables.row(JOINT, joint.joints.row(joint))
-    if axis is None and row.item(PRINCIPAL) < 0:
+    if axis is None and row.item(j.PRINCIPAL) < 0:
         raise ArgumentError(
             f"axis_{name}=None is ambiguous for joint_{name}={joint!r}, which does not have exactly one open axis;"
             " give 0-2 for a linear or 3-5 for an angular one."
         )
     k = joint.axis(axis)
-    if row.item(LOCKED) >> k & 1:
+    if row.item(j.LOCKED) >> k & 1:
         raise ArgumentError(
             f"axis_{name}={k} of joint_{name}={joint!r} is locked and cannot be geared; give an open one."
         )
-    if (k < 3 and row.item(LINEAR) == LINE) or (k >= 3 and row.item(ANGULAR) != HINGE):
+    if (k < 3 and row.item(j.LINEAR) == j.LINE) or (k >= 3 and row.item(j.ANGULAR) != j.HINGE):
         raise ArgumentError(
             f"axis_{name}={k} of joint_{name}={joint!r} cannot be geared; give a linear axis that is fixed in a body,"
             " as in a slider, or the only open angular axis, as in a hinge."

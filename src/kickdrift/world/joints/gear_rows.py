@@ -22,22 +22,8 @@ from kickdrift.core.vectors import (
     turned,
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.kinematics import axis_unit, expected_angle, put_vector, unwound
-from kickdrift.world.joints.layout import (
-    ANCHOR_A,
-    ANCHOR_B,
-    ANGULAR_PART,
-    BODY_A,
-    BODY_B,
-    FRAME_A,
-    FRAME_B,
-    GEARED_AXES,
-    GEARED_JOINTS,
-    LENGTH,
-    LINEAR_PART,
-    RATES,
-    START_WRENCHES,
-)
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, JOINT, JOINT_NUMBERS, LINK_NUMBERS, MOTION, POSE, floats, integers
 
@@ -48,7 +34,7 @@ _NOTHING: Vector = (0.0, 0.0, 0.0)
 def geared_body(joint: int, i: int, world: int) -> int:
     """Return the body that the i-th of the four wrenches of a gear acts on."""
     joints = integers(world, JOINT)
-    body: int = joints[joints[joint, GEARED_JOINTS + i // 2], BODY_A + i % 2]
+    body: int = joints[joints[joint, j.GEARED_JOINTS + i // 2], j.BODY_A + i % 2]
     return body
 
 
@@ -62,10 +48,10 @@ def put_wrenches(joint: int, h: float, table: Any, row: int, column: int, world:
         The error of the gear then, m or rad of its first axis.
     """
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
-    off: float = -numbers[joint, LENGTH]
+    off: float = -numbers[joint, j.LENGTH]
     for side in range(2):
-        rate, k = numbers[joint, RATES + side], joints[joint, GEARED_AXES + side]
-        at, axis, arm_a, arm_b = _axis_ahead(joints[joint, GEARED_JOINTS + side], k, h, world)
+        rate, k = numbers[joint, j.RATES + side], joints[joint, j.GEARED_AXES + side]
+        at, axis, arm_a, arm_b = _axis_ahead(joints[joint, j.GEARED_JOINTS + side], k, h, world)
         off += rate * at
         axis = times(rate, axis)
         push = axis if k < 3 else _NOTHING
@@ -82,19 +68,21 @@ def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector
     """Return the position along or about an axis of a joint after a time h, the axis, and the arms of a and b."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
-    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    qa = product(exponential(times(h, vector_at(motion, a, ANGULAR_PART))), quaternion_at(pose, a, ANGULAR_PART))
-    qb = product(exponential(times(h, vector_at(motion, b, ANGULAR_PART))), quaternion_at(pose, b, ANGULAR_PART))
-    fa = product(qa, quaternion_at(numbers, joint, FRAME_A))
+    a, b = joints[joint, j.BODY_A], joints[joint, j.BODY_B]
+    qa = product(exponential(times(h, vector_at(motion, a, j.ANGULAR_PART))), quaternion_at(pose, a, j.ANGULAR_PART))
+    qb = product(exponential(times(h, vector_at(motion, b, j.ANGULAR_PART))), quaternion_at(pose, b, j.ANGULAR_PART))
+    fa = product(qa, quaternion_at(numbers, joint, j.FRAME_A))
     axis = turned(fa, axis_unit(k % 3))
     if k >= 3:
-        relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, FRAME_B)))
+        relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, j.FRAME_B)))
         angle = unwound(2.0 * math.atan2(relative[k - 2], relative[0]), expected_angle(joint, k, h, world))
         return angle, axis, _NOTHING, _NOTHING
-    arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
-    moved = minus(vector_at(motion, b, LINEAR_PART), vector_at(motion, a, LINEAR_PART))
-    arm_a = plus(minus(vector_at(pose, b, LINEAR_PART), vector_at(pose, a, LINEAR_PART)), plus(arm_b, times(h, moved)))
-    return dot(axis, minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))), axis, arm_a, arm_b
+    arm_b = turned(qb, vector_at(numbers, joint, j.ANCHOR_B))
+    moved = minus(vector_at(motion, b, j.LINEAR_PART), vector_at(motion, a, j.LINEAR_PART))
+    arm_a = plus(
+        minus(vector_at(pose, b, j.LINEAR_PART), vector_at(pose, a, j.LINEAR_PART)), plus(arm_b, times(h, moved))
+    )
+    return dot(axis, minus(arm_a, turned(qa, vector_at(numbers, joint, j.ANCHOR_A)))), axis, arm_a, arm_b
 
 
 @compiled(cached=False)
@@ -104,7 +92,7 @@ def speed_of_gear(joint: int, link: int, world: int) -> float:
     for i in range(4):
         body = geared_body(joint, i, world)
         for m in range(6):
-            total += work[link, START_WRENCHES + 6 * i + m] * motion[body, m]
+            total += work[link, j.START_WRENCHES + 6 * i + m] * motion[body, m]
     return total
 
 
@@ -115,10 +103,12 @@ def mobility_of_gear(joint: int, link: int, world: int) -> float:
     for i in range(4):
         body = geared_body(joint, i, world)
         inverse = symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD)
-        push = vector_at(work, link, START_WRENCHES + 6 * i)
-        turn = applied(inverse, vector_at(work, link, START_WRENCHES + 6 * i + 3))
-        for j in range(4):
-            if geared_body(joint, j, world) == body:
-                total += response[body, INVERSE_LINEAR_MASS] * dot(push, vector_at(work, link, START_WRENCHES + 6 * j))
-                total += dot(turn, vector_at(work, link, START_WRENCHES + 6 * j + 3))
+        push = vector_at(work, link, j.START_WRENCHES + 6 * i)
+        turn = applied(inverse, vector_at(work, link, j.START_WRENCHES + 6 * i + 3))
+        for other in range(4):
+            if geared_body(joint, other, world) == body:
+                total += response[body, INVERSE_LINEAR_MASS] * dot(
+                    push, vector_at(work, link, j.START_WRENCHES + 6 * other)
+                )
+                total += dot(turn, vector_at(work, link, j.START_WRENCHES + 6 * other + 3))
     return total

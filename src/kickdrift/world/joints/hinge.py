@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
+from kickdrift.world.arguments import direction, vector
 from kickdrift.world.joints.axis import LOCKED, Axis, Drive, Motor
-from kickdrift.world.joints.record import Placement, Record, direction, frame_along, point
+from kickdrift.world.joints.record import Placement, Record, frame_along
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Hinge(Record):
 
     def placement(self) -> Placement:
         """Return the frame of the joint and the laws of its axes."""
-        anchor = point("anchor", self.anchor)
+        anchor = vector("anchor", self.anchor, 3)
         turn = Axis(False, self.limits, self.motor, self.drive, self.friction)
         frame = frame_along(direction("axis", self.axis))
         return Placement(anchor, anchor, frame, (LOCKED, LOCKED, LOCKED), (LOCKED, LOCKED, turn), principal=5)

@@ -8,24 +8,10 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_rows import geared_body, put_wrenches
 from kickdrift.world.joints.kinematics import relative_velocity
-from kickdrift.world.joints.layout import (
-    ARM_A,
-    ARM_B,
-    AXES,
-    BODY_A,
-    END,
-    FIRST,
-    GEARED,
-    JOINT_IMPULSE,
-    LAWS,
-    LINEAR,
-    LINK_JOINT,
-    PRINCIPAL,
-    START_SPEED,
-)
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -45,38 +31,38 @@ def warm_start_joints(t: float, h: float, world: int) -> None:
     """Apply the impulses of the previous substep, so that contacts act on bodies that their joints already hold."""
     articulations, links, numbers = integers(world, ARTICULATION), integers(world, LINK), floats(world, JOINT_NUMBERS)
     for row in range(rows(world, ARTICULATION)):
-        for link in range(articulations[row, FIRST], articulations[row, END]):
-            if links[link, LINK_JOINT] >= 0:
-                push_bodies(links[link, LINK_JOINT], numbers, links[link, LINK_JOINT], JOINT_IMPULSE, world)
+        for link in range(articulations[row, j.FIRST], articulations[row, j.END]):
+            if links[link, j.LINK_JOINT] >= 0:
+                push_bodies(links[link, j.LINK_JOINT], numbers, links[link, j.LINK_JOINT], j.JOINT_IMPULSE, world)
 
 
 @compiled(cached=False)
 def note_speeds(joint: int, world: int) -> None:
     """Store the speeds along axes that have laws, before the next kick."""
-    axes, numbers, laws = integers(world, JOINT)[joint, LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    axes, numbers, laws = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     if axes == 0:
         return
     v, w = relative_velocity(joint, world)
     for k in range(6):
         if axes >> k & 1:
-            laws[6 * joint + k, START_SPEED] = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
+            laws[6 * joint + k, j.START_SPEED] = dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w)
 
 
 @compiled(cached=False)
 def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> None:
     """Apply six impulses along and about the axes of a joint to b, and their opposites at the same point to a."""
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
-    if joints[joint, LINEAR] == GEARED:
-        _push_geared(joint, source[row, column + joints[joint, PRINCIPAL]], world)
+    if joints[joint, j.LINEAR] == j.GEARED:
+        _push_geared(joint, source[row, column + joints[joint, j.PRINCIPAL]], world)
         return
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(3):
-        force = plus(force, times(source[row, column + k], vector_at(numbers, joint, AXES + 3 * k)))
-        torque = plus(torque, times(source[row, column + 3 + k], vector_at(numbers, joint, AXES + 9 + 3 * k)))
+        force = plus(force, times(source[row, column + k], vector_at(numbers, joint, j.AXES + 3 * k)))
+        torque = plus(torque, times(source[row, column + 3 + k], vector_at(numbers, joint, j.AXES + 9 + 3 * k)))
     for side in range(2):
         sign = 1.0 if side == 1 else -1.0
-        turn = plus(torque, cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), force))
-        push_body(joints[joint, BODY_A + side], times(sign, force), times(sign, turn), world)
+        turn = plus(torque, cross(vector_at(numbers, joint, j.ARM_B if side == 1 else j.ARM_A), force))
+        push_body(joints[joint, j.BODY_A + side], times(sign, force), times(sign, turn), world)
 
 
 @compiled(cached=False)
@@ -97,4 +83,4 @@ def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
     turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), turn)
     for k in range(3):
         motion[body, k] += inverse_mass[body, 0] * push[k]
-        motion[body, 3 + k] += turned[k]
+        motion[body, ANGULAR_VELOCITY + k] += turned[k]

@@ -23,40 +23,7 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.joints.layout import (
-    ANCHOR_A,
-    ANCHOR_B,
-    ANGULAR,
-    ANGULAR_PART,
-    ARM_A,
-    ARM_B,
-    AXES,
-    BODY_A,
-    BODY_B,
-    DRIVEN,
-    END,
-    FIRST,
-    FRAME_A,
-    FRAME_B,
-    GEARED,
-    HINGE,
-    JOINT_FRICTION,
-    JOINT_POSITION,
-    LAWS,
-    LENGTH,
-    LINE,
-    LINEAR,
-    LINEAR_PART,
-    LINK_JOINT,
-    MOBILITY,
-    PIVOT,
-    POINT,
-    SWING_TWIST,
-    TARGET,
-    TWIST_SCALE,
-    UNIVERSAL,
-    VECTOR,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -86,10 +53,10 @@ def put_vector(table: Any, row: int, column: int, a: Vector) -> None:
 def relative_velocity(joint: int, world: int) -> tuple[Vector, Vector]:
     """Return the velocity of b relative to a where the joint acts, m/s, and the relative angular velocity, rad/s."""
     joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
-    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    wa, wb = vector_at(motion, a, ANGULAR_PART), vector_at(motion, b, ANGULAR_PART)
-    va = plus(vector_at(motion, a, LINEAR_PART), cross(wa, vector_at(numbers, joint, ARM_A)))
-    vb = plus(vector_at(motion, b, LINEAR_PART), cross(wb, vector_at(numbers, joint, ARM_B)))
+    a, b = joints[joint, j.BODY_A], joints[joint, j.BODY_B]
+    wa, wb = vector_at(motion, a, j.ANGULAR_PART), vector_at(motion, b, j.ANGULAR_PART)
+    va = plus(vector_at(motion, a, j.LINEAR_PART), cross(wa, vector_at(numbers, joint, j.ARM_A)))
+    vb = plus(vector_at(motion, b, j.LINEAR_PART), cross(wb, vector_at(numbers, joint, j.ARM_B)))
     return minus(vb, va), minus(wb, wa)
 
 
@@ -116,9 +83,11 @@ def unwound(angle: float, before: float) -> float:
 def expected_angle(joint: int, k: int, h: float, world: int) -> float:
     """Predict the angle about an axis a time h after it was measured, from the present angular velocities, rad."""
     joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
-    wa = vector_at(motion, joints[joint, BODY_A], ANGULAR_PART)
-    wb = vector_at(motion, joints[joint, BODY_B], ANGULAR_PART)
-    angle: float = numbers[joint, JOINT_POSITION + k] + h * dot(minus(wb, wa), vector_at(numbers, joint, AXES + 3 * k))
+    wa = vector_at(motion, joints[joint, j.BODY_A], j.ANGULAR_PART)
+    wb = vector_at(motion, joints[joint, j.BODY_B], j.ANGULAR_PART)
+    angle: float = numbers[joint, j.JOINT_POSITION + k] + h * dot(
+        minus(wb, wa), vector_at(numbers, joint, j.AXES + 3 * k)
+    )
     return angle
 
 
@@ -139,9 +108,9 @@ def _measure_all(h: float, world: int) -> None:
     """Measure all joints of articulations that are awake."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     for row in range(rows(world, ARTICULATION)):
-        for link in range(articulations[row, FIRST], articulations[row, END]):
-            if links[link, LINK_JOINT] >= 0:
-                measure_joint(links[link, LINK_JOINT], h, world)
+        for link in range(articulations[row, j.FIRST], articulations[row, j.END]):
+            if links[link, j.LINK_JOINT] >= 0:
+                measure_joint(links[link, j.LINK_JOINT], h, world)
 
 
 @compiled(cached=False)
@@ -151,52 +120,56 @@ def measure_joint(joint: int, h: float, world: int) -> None:
     Full turns are counted with the speed in this time, as wheels at 1000 rad/s turn by more than half a turn in a substep.
     """
     pose, joints, numbers = floats(world, POSE), integers(world, JOINT), floats(world, JOINT_NUMBERS)
-    if joints[joint, LINEAR] == GEARED:
+    if joints[joint, j.LINEAR] == j.GEARED:
         return  # it is measured after its joints, when its right-hand side is written
-    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    qa, qb = quaternion_at(pose, a, ANGULAR_PART), quaternion_at(pose, b, ANGULAR_PART)
-    arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
+    a, b = joints[joint, j.BODY_A], joints[joint, j.BODY_B]
+    qa, qb = quaternion_at(pose, a, j.ANGULAR_PART), quaternion_at(pose, b, j.ANGULAR_PART)
+    arm_b = turned(qb, vector_at(numbers, joint, j.ANCHOR_B))
     # The joint acts at the anchor of b: for axes fixed in a, this gives the exact gradient of the constraint.
-    arm_a = minus(plus(vector_at(pose, b, LINEAR_PART), arm_b), vector_at(pose, a, LINEAR_PART))
-    way = minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
-    put_vector(numbers, joint, ARM_A, arm_a)
-    put_vector(numbers, joint, ARM_B, arm_b)
-    fa = product(qa, quaternion_at(numbers, joint, FRAME_A))
-    relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, FRAME_B)))
-    if joints[joint, LINEAR] == POINT:
+    arm_a = minus(plus(vector_at(pose, b, j.LINEAR_PART), arm_b), vector_at(pose, a, j.LINEAR_PART))
+    way = minus(arm_a, turned(qa, vector_at(numbers, joint, j.ANCHOR_A)))
+    put_vector(numbers, joint, j.ARM_A, arm_a)
+    put_vector(numbers, joint, j.ARM_B, arm_b)
+    fa = product(qa, quaternion_at(numbers, joint, j.FRAME_A))
+    relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, j.FRAME_B)))
+    if joints[joint, j.LINEAR] == j.POINT:
         for k in range(3):
-            put_vector(numbers, joint, AXES + 3 * k, axis_unit(k))
-        put_vector(numbers, joint, JOINT_POSITION, way)
-    elif joints[joint, LINEAR] == LINE:
-        put_vector(numbers, joint, JOINT_POSITION, put_line(numbers, joint, AXES, way, fa, numbers[joint, LENGTH]))
+            put_vector(numbers, joint, j.AXES + 3 * k, axis_unit(k))
+        put_vector(numbers, joint, j.JOINT_POSITION, way)
+    elif joints[joint, j.LINEAR] == j.LINE:
+        put_vector(
+            numbers, joint, j.JOINT_POSITION, put_line(numbers, joint, j.AXES, way, fa, numbers[joint, j.LENGTH])
+        )
     else:
         for k in range(3):
-            put_vector(numbers, joint, AXES + 3 * k, turned(fa, axis_unit(k)))
-        put_vector(numbers, joint, JOINT_POSITION, turned_back(fa, way))
-    mode = joints[joint, ANGULAR]
-    if mode == UNIVERSAL:
-        _measure_universal(joint, joints[joint, PIVOT], fa, relative, h, world)
-    elif mode == SWING_TWIST:
+            put_vector(numbers, joint, j.AXES + 3 * k, turned(fa, axis_unit(k)))
+        put_vector(numbers, joint, j.JOINT_POSITION, turned_back(fa, way))
+    mode = joints[joint, j.ANGULAR]
+    if mode == j.UNIVERSAL:
+        _measure_universal(joint, joints[joint, j.PIVOT], fa, relative, h, world)
+    elif mode == j.SWING_TWIST:
         _measure_cone(joint, fa, relative, world)
     else:
         for k in range(3):
-            put_vector(numbers, joint, AXES + 9 + 3 * k, turned(fa, axis_unit(k)))
-        if mode == HINGE:
-            k = 3 + joints[joint, PIVOT]
+            put_vector(numbers, joint, j.AXES + 9 + 3 * k, turned(fa, axis_unit(k)))
+        if mode == j.HINGE:
+            k = 3 + joints[joint, j.PIVOT]
             angle = 2.0 * math.atan2(relative[k - 2], relative[0])
-            numbers[joint, JOINT_POSITION + k] = unwound(angle, expected_angle(joint, k, h, world))
-        elif mode == VECTOR:
-            put_vector(numbers, joint, JOINT_POSITION + 3, rotation_vector(relative))
+            numbers[joint, j.JOINT_POSITION + k] = unwound(angle, expected_angle(joint, k, h, world))
+        elif mode == j.VECTOR:
+            put_vector(numbers, joint, j.JOINT_POSITION + 3, rotation_vector(relative))
     laws = floats(world, JOINT_AXES)
     for k in range(6):
-        if joints[joint, LAWS] >> k & 1:
-            laws[6 * joint + k, MOBILITY] = mobility(joint, k, world)
-            if k >= 3 and mode != SWING_TWIST:
-                numbers[joint, DRIVEN + k - 3] = numbers[joint, JOINT_POSITION + k] - laws[6 * joint + k, TARGET]
+        if joints[joint, j.LAWS] >> k & 1:
+            laws[6 * joint + k, j.MOBILITY] = mobility(joint, k, world)
+            if k >= 3 and mode != j.SWING_TWIST:
+                numbers[joint, j.DRIVEN + k - 3] = numbers[joint, j.JOINT_POSITION + k] - laws[6 * joint + k, j.TARGET]
     if shares_friction(joint, world):
-        most = max(max(laws[6 * joint + 3, MOBILITY], laws[6 * joint + 4, MOBILITY]), laws[6 * joint + 5, MOBILITY])
+        most = max(
+            max(laws[6 * joint + 3, j.MOBILITY], laws[6 * joint + 4, j.MOBILITY]), laws[6 * joint + 5, j.MOBILITY]
+        )
         for k in range(3, 6):
-            laws[6 * joint + k, MOBILITY] = most
+            laws[6 * joint + k, j.MOBILITY] = most
 
 
 @compiled(inline=True, cached=False)
@@ -204,8 +177,8 @@ def shares_friction(joint: int, world: int) -> bool:
     """Whether a joint has dry friction as strong about any axis, of which the size is bounded, as in a ball joint."""
     joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
     row = 6 * joint + 3
-    x, y, z = laws[row, JOINT_FRICTION], laws[row + 1, JOINT_FRICTION], laws[row + 2, JOINT_FRICTION]
-    return bool(joints[joint, ANGULAR] >= VECTOR and x > 0.0 and y == x and z == x)
+    x, y, z = laws[row, j.JOINT_FRICTION], laws[row + 1, j.JOINT_FRICTION], laws[row + 2, j.JOINT_FRICTION]
+    return bool(joints[joint, j.ANGULAR] >= j.VECTOR and x > 0.0 and y == x and z == x)
 
 
 @compiled(cached=False)
@@ -222,29 +195,29 @@ def put_line(table: Any, row: int, column: int, way: Vector, fa: Quaternion, res
 @compiled(cached=False)
 def put_cross(table: Any, row: int, column: int, i: int, fa: Quaternion, second_in_a: Vector) -> None:
     """Write the angular axes of a universal joint: axis i of a, that of b made perpendicular to it, and the normal to both."""
-    j, k = (i + 1) % 3, (i + 2) % 3
+    m, k = (i + 1) % 3, (i + 2) % 3
     first = turned(fa, axis_unit(i))
     third = normalised(cross(first, turned(fa, second_in_a)), turned(fa, axis_unit(k)))
     put_vector(table, row, column + 3 * i, first)
-    put_vector(table, row, column + 3 * j, cross(third, first))
+    put_vector(table, row, column + 3 * m, cross(third, first))
     put_vector(table, row, column + 3 * k, third)
 
 
 @compiled(cached=False)
 def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion, h: float, world: int) -> None:
-    """Measure a universal joint: axis i is fixed in a and j in b, and b is rotated about j first, then about i."""
+    """Measure a universal joint: axis i is fixed in a and m in b, and b is rotated about m first, then about i."""
     numbers = floats(world, JOINT_NUMBERS)
-    j, k = (i + 1) % 3, (i + 2) % 3
-    second_in_a = turned(relative, axis_unit(j))
-    put_cross(numbers, joint, AXES + 9, i, fa, second_in_a)
+    m, k = (i + 1) % 3, (i + 2) % 3
+    second_in_a = turned(relative, axis_unit(m))
+    put_cross(numbers, joint, j.AXES + 9, i, fa, second_in_a)
     first_in_b = turned_back(relative, axis_unit(i))
-    p = JOINT_POSITION + 3
+    p = j.JOINT_POSITION + 3
     numbers[joint, p + i] = unwound(
-        math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(j))),
+        math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(m))),
         expected_angle(joint, 3 + i, h, world),
     )
-    numbers[joint, p + j] = unwound(
-        math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), expected_angle(joint, 3 + j, h, world)
+    numbers[joint, p + m] = unwound(
+        math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), expected_angle(joint, 3 + m, h, world)
     )
 
 
@@ -261,21 +234,21 @@ def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) 
     out = normalised((-axis[1], axis[0], 0.0), axis_unit(0))
     mean = times(math.cos(0.5 * swing), axis_unit(2))
     mean = plus(mean, times(math.sin(0.5 * swing), cross(out, axis_unit(2))))
-    put_vector(numbers, joint, AXES + 9, turned(fa, out))
-    put_vector(numbers, joint, AXES + 12, turned(fa, cross(mean, out)))
-    put_vector(numbers, joint, AXES + 15, turned(fa, mean))
+    put_vector(numbers, joint, j.AXES + 9, turned(fa, out))
+    put_vector(numbers, joint, j.AXES + 12, turned(fa, cross(mean, out)))
+    put_vector(numbers, joint, j.AXES + 15, turned(fa, mean))
     twist = 2.0 * math.atan2(relative[3], relative[0])
     put_vector(
         numbers,
         joint,
-        JOINT_POSITION + 3,
+        j.JOINT_POSITION + 3,
         (swing, 0.0, twist - 2.0 * math.pi * math.floor(twist / (2.0 * math.pi) + 0.5)),
     )
-    numbers[joint, TWIST_SCALE] = max(math.cos(0.5 * swing), _LEAST_SCALE)
+    numbers[joint, j.TWIST_SCALE] = max(math.cos(0.5 * swing), _LEAST_SCALE)
     first = 6 * joint + 3
-    target = (laws[first, TARGET], laws[first + 1, TARGET], laws[first + 2, TARGET])
+    target = (laws[first, j.TARGET], laws[first + 1, j.TARGET], laws[first + 2, j.TARGET])
     off = minus(rotation_vector(relative), target)
-    put_vector(numbers, joint, DRIVEN, (dot(off, out), dot(off, cross(mean, out)), dot(off, mean)))
+    put_vector(numbers, joint, j.DRIVEN, (dot(off, out), dot(off, cross(mean, out)), dot(off, mean)))
 
 
 @compiled(inline=True, cached=False)
@@ -289,12 +262,12 @@ def turning(inverse: Symmetric, turn: Vector) -> float:
 def mobility(joint: int, k: int, world: int) -> float:
     """Return the speed along an axis per unit impulse along it, for the two bodies alone."""
     joints, numbers, response = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, INVERSE_MASS)
-    axis, total = vector_at(numbers, joint, AXES + 3 * k), 0.0
+    axis, total = vector_at(numbers, joint, j.AXES + 3 * k), 0.0
     for side in range(2):
-        body = joints[joint, BODY_B if side == 1 else BODY_A]
+        body = joints[joint, j.BODY_B if side == 1 else j.BODY_A]
         turn = axis
         if k < 3:
-            turn = cross(vector_at(numbers, joint, ARM_B if side == 1 else ARM_A), axis)
+            turn = cross(vector_at(numbers, joint, j.ARM_B if side == 1 else j.ARM_A), axis)
             total += response[body, INVERSE_LINEAR_MASS]
         total += turning(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn)
     return total

@@ -15,32 +15,10 @@ from kickdrift.core.rotations import product as rotated_by
 from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis import finite
 from kickdrift.world.joints.kinematics import measure_joint
-from kickdrift.world.joints.layout import (
-    ANGULAR,
-    ANGULAR_PART,
-    ARM_B,
-    AXES,
-    BODY_A,
-    BODY_B,
-    BROKEN,
-    FRAME_B,
-    HINGE,
-    JOINT_KIND,
-    JOINT_POSITION,
-    LENGTH,
-    LINE,
-    LINEAR,
-    LOCKED,
-    LOWER_LIMIT,
-    PIVOT,
-    REMOVED_JOINT,
-    SWING_TWIST,
-    UNIVERSAL,
-    UPPER_LIMIT,
-)
-from kickdrift.world.layout import BODY_KIND, DYNAMIC, POSITION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, DYNAMIC, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats
 
 if TYPE_CHECKING:
@@ -68,7 +46,7 @@ def measure_again(joints: Any, world: int) -> None:
 def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
     """Shift bodies, with their velocities relative to the rotating reference unchanged."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
-    added = cross(vector_at(motion, reference, ANGULAR_PART), way)
+    added = cross(vector_at(motion, reference, j.ANGULAR_PART), way)
     for body in moved:
         for k in range(3):
             pose[body, k] += way[k]
@@ -80,18 +58,18 @@ def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> 
     """Rotate bodies about a point, together with their velocities relative to the rotating reference."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     q, x, base = exponential(way), vector_at(pose, reference, POSITION), vector_at(motion, reference, VELOCITY)
-    spin = vector_at(motion, reference, ANGULAR_PART)
+    spin = vector_at(motion, reference, j.ANGULAR_PART)
     for body in moved:
         before = vector_at(pose, body, POSITION)
         seen = minus(minus(vector_at(motion, body, VELOCITY), base), cross(spin, minus(before, x)))
         at = plus(pivot, turned(q, minus(before, pivot)))
         v = plus(plus(base, cross(spin, minus(at, x))), turned(q, seen))
-        w = plus(spin, turned(q, minus(vector_at(motion, body, ANGULAR_PART), spin)))
-        orientation = unit(product(q, quaternion_at(pose, body, ANGULAR_PART)))
+        w = plus(spin, turned(q, minus(vector_at(motion, body, j.ANGULAR_PART), spin)))
+        orientation = unit(product(q, quaternion_at(pose, body, j.ANGULAR_PART)))
         for k in range(3):
-            pose[body, k], motion[body, k], motion[body, 3 + k] = at[k], v[k], w[k]
+            pose[body, POSITION + k], motion[body, VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = at[k], v[k], w[k]
         for k in range(4):
-            pose[body, 3 + k] = orientation[k]
+            pose[body, ORIENTATION + k] = orientation[k]
 
 
 def signs(tables: Tables, row: int) -> Floats:
@@ -100,9 +78,9 @@ def signs(tables: Tables, row: int) -> Floats:
     Distances and swings have the same sign from both sides.
     """
     joint, found = tables.row(JOINT, row), np.ones(6)
-    if tables.row(BODY, joint.item(BODY_B)).item(BODY_KIND) != DYNAMIC:
-        found[3 * (joint[LINEAR] == LINE) :] = -1.0
-        found[3] *= -1.0 if joint[ANGULAR] == SWING_TWIST else 1.0
+    if tables.row(BODY, joint.item(j.BODY_B)).item(BODY_KIND) != DYNAMIC:
+        found[3 * (joint[j.LINEAR] == j.LINE) :] = -1.0
+        found[3] *= -1.0 if joint[j.ANGULAR] == j.SWING_TWIST else 1.0
     return found
 
 
@@ -124,7 +102,7 @@ def set_speed(joint: "Joint", k: int, speed: float) -> None:
         motion[side.moved, :3] += change
         return
     motion[side.moved, :3] += np.cross(change, tables.array(POSE)[side.moved, :3] - pivot)
-    motion[side.moved, 3:6] += change
+    motion[side.moved, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3] += change
 
 
 def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float, Side]:
@@ -140,11 +118,11 @@ def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float,
 def _check_placeable(tables: Tables, row: int, k: int) -> None:
     """Check that axis k is open and has an angle or position of its own; ArgumentError if not."""
     joint = tables.array(JOINT)[row]
-    if joint[LOCKED] >> k & 1:
+    if joint[j.LOCKED] >> k & 1:
         raise ArgumentError(f"axis={k} is locked, so the joint cannot be moved along it; move one of its bodies.")
-    if k < 3 and joint[LINEAR] == LINE and k != 2:
+    if k < 3 and joint[j.LINEAR] == j.LINE and k != 2:
         raise ArgumentError(f"axis={k} of a joint along a line has no position of its own; only axis 2, the line, has.")
-    if k >= 3 and joint[ANGULAR] not in (HINGE, UNIVERSAL):
+    if k >= 3 and joint[j.ANGULAR] not in (j.HINGE, j.UNIVERSAL):
         raise ArgumentError(
             f"axis={k} is one of three open angular axes, which have no angles of their own; set the orientation of a"
             " body."
@@ -154,18 +132,18 @@ def _check_placeable(tables: Tables, row: int, k: int) -> None:
 def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
     """Rotate or shift a side of a measured joint so that its position along axis k, of b relative to a, is the target."""
     numbers = tables.row(JOINT_NUMBERS, row)
-    if k == 2 and tables.row(JOINT, row).item(LINEAR) == LINE and target < -numbers[LENGTH]:
+    if k == 2 and tables.row(JOINT, row).item(j.LINEAR) == j.LINE and target < -numbers[j.LENGTH]:
         raise ArgumentError(
-            f"position={target!r} is a negative distance; give at least minus the joint's length, {-numbers[LENGTH]:g}."
+            f"position={target!r} is a negative distance; give at least minus the joint's length, {-numbers[j.LENGTH]:g}."
         )
     axis, pivot = _axis(tables, row, k)
-    way = side.sign * (target - numbers.item(JOINT_POSITION + k)) * axis
-    numbers[JOINT_POSITION + k] = target  # determines the number of full turns
+    way = side.sign * (target - numbers.item(j.JOINT_POSITION + k)) * axis
+    numbers[j.JOINT_POSITION + k] = target  # determines the number of full turns
     joints = tables.array(JOINT)
     moves = np.zeros(tables.count(BODY), dtype=np.bool_)
     moves[side.moved] = True
     touched = np.flatnonzero(
-        (moves[joints[:, BODY_A]] | moves[joints[:, BODY_B]]) & (joints[:, JOINT_KIND] != REMOVED_JOINT)
+        (moves[joints[:, j.BODY_A]] | moves[joints[:, j.BODY_B]]) & (joints[:, j.JOINT_KIND] != j.REMOVED_JOINT)
     )
     move = shift if k < 3 else turn
     move(side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]), tables.address)
@@ -180,7 +158,7 @@ def _side_of(tables: Tables, row: int, words: str) -> Side:
     ArgumentError
         If the joint is part of a loop, or joints connect both sides to bodies that are not dynamic.
     """
-    a, b = (int(body) for body in tables.array(JOINT)[row, [BODY_A, BODY_B]])
+    a, b = (int(body) for body in tables.array(JOINT)[row, [j.BODY_A, j.BODY_B]])
     moves = tables.array(BODY)[:, BODY_KIND] == DYNAMIC
     neighbours = _neighbours(tables, row)
     for start, other, sign in ((b, a, 1.0), (a, b, -1.0)):
@@ -201,7 +179,7 @@ def _side_of(tables: Tables, row: int, words: str) -> Side:
 
 def _check_limits(tables: Tables, row: int, k: int, sign: float, what: str, value: float) -> None:
     """Check that a value, with the sign for users, is within the limits of an axis; ArgumentError if not."""
-    ends = sign * tables.array(JOINT_AXES)[6 * row + k, [LOWER_LIMIT, UPPER_LIMIT]]
+    ends = sign * tables.array(JOINT_AXES)[6 * row + k, [j.LOWER_LIMIT, j.UPPER_LIMIT]]
     lower, upper = ends.min(), ends.max()
     if not lower <= value <= upper:
         raise ArgumentError(
@@ -212,23 +190,23 @@ def _check_limits(tables: Tables, row: int, k: int, sign: float, what: str, valu
 def _axis(tables: Tables, row: int, k: int) -> tuple[Floats, Floats]:
     """Return the axis of a measured joint along or about which b is moved against a, and the point where the joint acts."""
     joint, numbers = tables.row(JOINT, row), tables.row(JOINT_NUMBERS, row)
-    pose = tables.row(POSE, joint.item(BODY_B))
-    pivot: Floats = pose[:3] + numbers[ARM_B : ARM_B + 3]
-    if k >= 3 and joint.item(ANGULAR) == UNIVERSAL and k - 3 != joint.item(PIVOT):
+    pose = tables.row(POSE, joint.item(j.BODY_B))
+    pivot: Floats = pose[:3] + numbers[j.ARM_B : j.ARM_B + 3]
+    if k >= 3 and joint.item(j.ANGULAR) == j.UNIVERSAL and k - 3 != joint.item(j.PIVOT):
         # The second axis of a universal joint is fixed in b; that in AXES is made perpendicular to the first.
-        return rotated(rotated_by(pose[3:7], numbers[FRAME_B : FRAME_B + 4]), np.eye(3)[k - 3]), pivot
-    return numbers[AXES + 3 * k : AXES + 3 * k + 3].copy(), pivot
+        return rotated(rotated_by(pose[3:7], numbers[j.FRAME_B : j.FRAME_B + 4]), np.eye(3)[k - 3]), pivot
+    return numbers[j.AXES + 3 * k : j.AXES + 3 * k + 3].copy(), pivot
 
 
 def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
     """Return the bodies that each body is connected to by joints with locked axes or limits, without one joint."""
     joints = tables.array(JOINT)
-    limits = tables.array(JOINT_AXES)[:, [LOWER_LIMIT, UPPER_LIMIT]].reshape(-1, 12)
-    holds = (joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] == 0)
-    holds &= (joints[:, LOCKED] != 0) | np.isfinite(limits).any(axis=1)
+    limits = tables.array(JOINT_AXES)[:, [j.LOWER_LIMIT, j.UPPER_LIMIT]].reshape(-1, 12)
+    holds = (joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.BROKEN] == 0)
+    holds &= (joints[:, j.LOCKED] != 0) | np.isfinite(limits).any(axis=1)
     holds[without] = False
     found: dict[int, list[int]] = {}
-    for a, b in joints[holds][:, [BODY_A, BODY_B]].tolist():
+    for a, b in joints[holds][:, [j.BODY_A, j.BODY_B]].tolist():
         found.setdefault(a, []).append(b)
         found.setdefault(b, []).append(a)
     return found

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import vector
 from kickdrift.world.joints.axis import FREE, Axis, is_number
-from kickdrift.world.joints.record import Placement, frame_along, point
+from kickdrift.world.joints.record import Placement, frame_along
 
 
 def line_placement(anchor_a: ArrayLike, anchor_b: ArrayLike, length: float | None, axis: Axis) -> Placement:
@@ -18,7 +19,7 @@ def line_placement(anchor_a: ArrayLike, anchor_b: ArrayLike, length: float | Non
     ArgumentError
         For points that coincide, and for a length that is not positive.
     """
-    a, b = point("anchor_a", anchor_a), point("anchor_b", anchor_b)
+    a, b = vector("anchor_a", anchor_a, 3), vector("anchor_b", anchor_b, 3)
     distance = float(np.linalg.norm(b - a))
     if not distance > 0.0:
         raise ArgumentError(

@@ -5,13 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from kickdrift.core.arguments import reals
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.rotations import cross
 from kickdrift.world.joints.axis import FREE, Axis, not_negative
 
 Floats = NDArray[np.float64]
@@ -92,46 +91,8 @@ class Record(ABC):
         """
 
 
-def point(argument: str, value: ArrayLike) -> Floats:
-    """Return a point as an array, (3,).
-
-    Raises
-    ------
-    ArgumentError
-        If it is not three finite numbers.
-    """
-    try:
-        given: Any = reals(value)
-    except TypeError:
-        given = np.empty(0)
-    if given.shape != (3,) or not np.isfinite(given).all():
-        raise ArgumentError(f"{argument}={value!r} must be three finite numbers (x, y, z), in the world's axes.")
-    return np.asarray(given)
-
-
-def direction(argument: str, value: ArrayLike) -> Floats:
-    """Return the unit vector of a direction.
-
-    Raises
-    ------
-    ArgumentError
-        For one of length zero.
-    """
-    given = point(argument, value)
-    size = np.abs(given).max()
-    if size == 0.0:
-        raise ArgumentError(f"{argument}={value!r} has no direction; give a vector that is not zero.")
-    given = given / size
-    return np.asarray(given / np.linalg.norm(given))
-
-
 def frame_along(z: Floats) -> Floats:
     """Return orthonormal axes as columns, (3, 3), whose third is the unit vector z."""
     x = cross(np.eye(3)[np.abs(z).argmin()], z)
     x /= np.sqrt(x @ x)
     return np.array((x, cross(z, x), z)).T
-
-
-def cross(a: Floats, b: Floats) -> Floats:
-    """Return the cross product of two vectors; np.cross takes 40 us."""
-    return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))

@@ -11,55 +11,18 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.atomic import alone, undivided
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.axis_law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.layout import (
-    ANCHOR_A,
-    ANCHOR_B,
-    ANGULAR,
-    ARM_A,
-    ARM_B,
-    AXES,
-    BODY_A,
-    BODY_B,
-    BREAKING_FORCE,
-    BREAKING_TORQUE,
-    BROKEN,
-    FRAME,
-    FRAME_A,
-    FRAME_B,
-    GEARED,
-    GEARED_AXES,
-    GEARED_JOINTS,
-    GENERATION,
-    HINGE,
-    JOINT_KIND,
-    JOINT_POSITION,
-    LAWS,
-    LENGTH,
-    LINE,
-    LINEAR,
-    LOCKED,
-    LOOSE,
-    PIVOT,
-    POINT,
-    PRINCIPAL,
-    RATES,
-    REMOVED_JOINT,
-    RIGID,
-    SEQUENTIAL,
-    SWING_TWIST,
-    UNIVERSAL,
-    VECTOR,
-)
 from kickdrift.world.joints.mass_changes import follow_mass
 from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.planar import within_plane
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
+from kickdrift.world.layout import ORIENTATION
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
@@ -80,7 +43,7 @@ class Joints:
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two joints would share a handle
 
     def __len__(self) -> int:
-        return int((self.tables.array(JOINT)[:, JOINT_KIND] != REMOVED_JOINT).sum())
+        return int((self.tables.array(JOINT)[:, j.JOINT_KIND] != j.REMOVED_JOINT).sum())
 
     @undivided
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
@@ -102,34 +65,34 @@ class Joints:
         joint, numbers = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row]
         generation, self.n_made = self.n_made, self.n_made + 1
         joint[:], numbers[:] = 0, 0.0
-        joint[[JOINT_KIND, BODY_A, BODY_B, GENERATION]] = KINDS.index(type(record)), body_a, body_b, generation
-        joint[[LINEAR, PRINCIPAL]] = _linear_mode(placement), placement.principal
-        joint[[ANGULAR, PIVOT]] = _angular_mode(placement)
+        joint[[j.JOINT_KIND, j.BODY_A, j.BODY_B, j.GENERATION]] = KINDS.index(type(record)), body_a, body_b, generation
+        joint[[j.LINEAR, j.PRINCIPAL]] = _linear_mode(placement), placement.principal
+        joint[[j.ANGULAR, j.PIVOT]] = _angular_mode(placement)
         axes = (*placement.linear, *placement.angular)
-        joint[LOCKED] = sum(1 << k for k, axis in enumerate(axes) if axis.locked)
+        joint[j.LOCKED] = sum(1 << k for k, axis in enumerate(axes) if axis.locked)
         poses = tables.array(POSE)
         frame = of_matrix(placement.frame)
         for body, at, turn, anchor in (
-            (body_a, ANCHOR_A, FRAME_A, placement.anchor_a),
-            (body_b, ANCHOR_B, FRAME_B, placement.anchor_b),
+            (body_a, j.ANCHOR_A, j.FRAME_A, placement.anchor_a),
+            (body_b, j.ANCHOR_B, j.FRAME_B, placement.anchor_b),
         ):
-            back = poses[body, 3:7] * (1.0, -1.0, -1.0, -1.0)
+            back = poses[body, ORIENTATION : ORIENTATION + 4] * (1.0, -1.0, -1.0, -1.0)
             numbers[at : at + 3] = turned(back, anchor - poses[body, :3])
             numbers[turn : turn + 4] = product(back, frame)
-        numbers[LENGTH] = placement.length
-        numbers[[BREAKING_FORCE, BREAKING_TORQUE]] = record.breaking_force, record.breaking_torque
-        numbers[ARM_A : ARM_A + 3] = placement.anchor_b - poses[body_a, :3]
-        numbers[ARM_B : ARM_B + 3] = placement.anchor_b - poses[body_b, :3]
-        along = np.eye(3) if joint[LINEAR] == POINT else placement.frame
-        numbers[AXES : AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
+        numbers[j.LENGTH] = placement.length
+        numbers[[j.BREAKING_FORCE, j.BREAKING_TORQUE]] = record.breaking_force, record.breaking_torque
+        numbers[j.ARM_A : j.ARM_A + 3] = placement.anchor_b - poses[body_a, :3]
+        numbers[j.ARM_B : j.ARM_B + 3] = placement.anchor_b - poses[body_b, :3]
+        along = np.eye(3) if joint[j.LINEAR] == j.POINT else placement.frame
+        numbers[j.AXES : j.AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
         if placement.line:
-            numbers[JOINT_POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
+            numbers[j.JOINT_POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
         if placement.geared is not None:
-            joint[GEARED_JOINTS : GEARED_JOINTS + 2] = placement.geared.joints
-            joint[GEARED_AXES : GEARED_AXES + 2] = placement.geared.axes
-            numbers[RATES : RATES + 2] = placement.geared.rates
-            numbers[[*range(ANCHOR_A, ANCHOR_A + 3), *range(ANCHOR_B, ANCHOR_B + 3)]] = 0.0
-            numbers[ARM_A : AXES + 18] = 0.0  # a gear has no anchors
+            joint[j.GEARED_JOINTS : j.GEARED_JOINTS + 2] = placement.geared.joints
+            joint[j.GEARED_AXES : j.GEARED_AXES + 2] = placement.geared.axes
+            numbers[j.RATES : j.RATES + 2] = placement.geared.rates
+            numbers[[*range(j.ANCHOR_A, j.ANCHOR_A + 3), *range(j.ANCHOR_B, j.ANCHOR_B + 3)]] = 0.0
+            numbers[j.ARM_A : j.AXES + 18] = 0.0  # a gear has no anchors
         clear_laws(tables, row)
         for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
             if axis.has_law:
@@ -163,10 +126,10 @@ class Joints:
             what = getattr(Axis(**{part: what}).reversed(), part)
         joint.wake()  # first: Ctrl-C leaves no changed law on bodies that sleep
         numbers = self.tables.row(JOINT, row)
-        before, arranged = numbers.item(LAWS), self.arranged
+        before, arranged = numbers.item(j.LAWS), self.arranged
         self.arranged = False  # also if Ctrl-C comes now
         write_law(self.tables, row, k, part, what)
-        self.arranged = arranged and before == numbers.item(LAWS)
+        self.arranged = arranged and before == numbers.item(j.LAWS)
 
     @undivided
     def remove(self, joint: Joint) -> None:
@@ -182,19 +145,21 @@ class Joints:
     def remove_of_body(self, body: int) -> None:
         """Remove all joints of a body, before it is removed."""
         joints = self.tables.array(JOINT)
-        there = (joints[:, JOINT_KIND] != REMOVED_JOINT) & ((joints[:, BODY_A] == body) | (joints[:, BODY_B] == body))
+        there = (joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (
+            (joints[:, j.BODY_A] == body) | (joints[:, j.BODY_B] == body)
+        )
         for row in np.flatnonzero(there):
             self._remove_row(int(row))
 
     @property
     def breakable(self) -> bool:
         """Whether a joint may break."""
-        return bool(np.isfinite(self.tables.array(JOINT_NUMBERS)[:, [BREAKING_FORCE, BREAKING_TORQUE]]).any())
+        return bool(np.isfinite(self.tables.array(JOINT_NUMBERS)[:, [j.BREAKING_FORCE, j.BREAKING_TORQUE]]).any())
 
     def take_broken(self) -> list[Joint]:
         """Remove the joints that have broken, and return their handles, which only identify them."""
         joints = self.tables.array(JOINT)
-        broken = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] != 0)).tolist()
+        broken = np.flatnonzero((joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.BROKEN] != 0)).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
             self._remove_row(row)
@@ -219,7 +184,7 @@ class Joints:
     @property
     def sequential(self) -> bool:
         """Whether any joints are solved one after the other; call `arrange` first."""
-        return bool(self.tables.array(ARTICULATION)[:, SEQUENTIAL].any())
+        return bool(self.tables.array(ARTICULATION)[:, j.SEQUENTIAL].any())
 
     def row(self, joint: Any) -> int:
         """Return the row of an existing joint.
@@ -244,15 +209,15 @@ class Joints:
         if not 0 <= index < self.tables.count(JOINT):
             return False
         row = self.tables.row(JOINT, index)
-        return bool(row.item(GENERATION) == generation and row.item(JOINT_KIND) != REMOVED_JOINT)
+        return bool(row.item(j.GENERATION) == generation and row.item(j.JOINT_KIND) != j.REMOVED_JOINT)
 
     def handle(self, row: int) -> Joint:
         """Return the handle of a row."""
-        return Joint(row, self.tables.row(JOINT, row).item(GENERATION), self)
+        return Joint(row, self.tables.row(JOINT, row).item(j.GENERATION), self)
 
     def _free_row(self) -> int:
         joints = self.tables.array(JOINT)
-        free = np.flatnonzero(joints[:, JOINT_KIND] == REMOVED_JOINT)
+        free = np.flatnonzero(joints[:, j.JOINT_KIND] == j.REMOVED_JOINT)
         if len(free):
             return int(free[0])
         row = len(joints)
@@ -265,13 +230,13 @@ class Joints:
     def _remove_row(self, row: int) -> None:
         wake_bodies(self.tables, row)
         joint = self.tables.array(JOINT)[row]
-        joint[[JOINT_KIND, BROKEN, LOCKED, LAWS]] = REMOVED_JOINT, 0, 0, 0
+        joint[[j.JOINT_KIND, j.BROKEN, j.LOCKED, j.LAWS]] = j.REMOVED_JOINT, 0, 0, 0
         self.names.give(row, None)
         self.tables.version += 1
         self.arranged = False
         joints = self.tables.array(JOINT)
-        geared = (joints[:, LINEAR] == GEARED) & (joints[:, JOINT_KIND] != REMOVED_JOINT)
-        geared &= (joints[:, GEARED_JOINTS : GEARED_JOINTS + 2] == row).any(axis=1)
+        geared = (joints[:, j.LINEAR] == j.GEARED) & (joints[:, j.JOINT_KIND] != j.REMOVED_JOINT)
+        geared &= (joints[:, j.GEARED_JOINTS : j.GEARED_JOINTS + 2] == row).any(axis=1)
         for gear in np.flatnonzero(geared):
             self._remove_row(int(gear))
 
@@ -279,21 +244,21 @@ class Joints:
 def _linear_mode(placement: Placement) -> int:
     """Return how positions are measured, a value of LINEAR."""
     if placement.geared is not None:
-        return GEARED
+        return j.GEARED
     if placement.line:
-        return LINE
-    return POINT if all(axis.locked for axis in placement.linear) else FRAME
+        return j.LINE
+    return j.POINT if all(axis.locked for axis in placement.linear) else j.FRAME
 
 
 def _angular_mode(placement: Placement) -> tuple[int, int]:
     """Return how angles are measured, a value of ANGULAR, and the axis that it refers to (PIVOT)."""
     is_open = [not axis.locked for axis in placement.angular]
     if sum(is_open) == 0:
-        return RIGID, 0
+        return j.RIGID, 0
     if sum(is_open) == 1:
-        return HINGE, is_open.index(True)
+        return j.HINGE, is_open.index(True)
     if sum(is_open) == 2:
-        return UNIVERSAL, (is_open.index(False) + 1) % 3
+        return j.UNIVERSAL, (is_open.index(False) + 1) % 3
     if placement.cone:
-        return SWING_TWIST, 0
-    return (VECTOR if any(axis.has_law for axis in placement.angular) else LOOSE), 0
+        return j.SWING_TWIST, 0
+    return (j.VECTOR if any(axis.has_law for axis in placement.angular) else j.LOOSE), 0

@@ -18,50 +18,9 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_rows import geared_body, put_wrenches, speed_of_gear
 from kickdrift.world.joints.kinematics import axis_unit, put_cross, put_line, put_vector, relative_velocity
-from kickdrift.world.joints.layout import (
-    AHEAD_WRENCHES,
-    ANCHOR_A,
-    ANCHOR_B,
-    ANGULAR,
-    ANGULAR_PART,
-    ARM_A,
-    ARM_A_AHEAD,
-    ARM_B,
-    ARM_B_AHEAD,
-    AXES,
-    AXES_AHEAD,
-    AXIS_IMPULSE,
-    AXIS_SPEED,
-    BODY_A,
-    BODY_B,
-    BRAKE,
-    DELTA_SPEED,
-    FRAME,
-    FRAME_A,
-    FRAME_B,
-    GEARED,
-    HELD_AXES,
-    HINGE,
-    JOINT_IMPULSE,
-    JOINT_POSITION,
-    LAW_STATE,
-    LENGTH,
-    LINE,
-    LINEAR,
-    LINEAR_PART,
-    LOCKED,
-    LOOSE,
-    MISALIGNMENT,
-    PIVOT,
-    PRINCIPAL,
-    PUSH,
-    RIGHT_HAND_SIDE,
-    RIGID,
-    SLOPE,
-    START_WRENCHES,
-)
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, POSE, RESTED, floats, integers
 
@@ -82,9 +41,9 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
         How far locked axes will be off, as an angle or in parts of arms and bodies; zero where the mode does not ask.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    locked = integers(world, JOINT)[joint, LOCKED]
-    links[link, HELD_AXES] = locked
-    if integers(world, JOINT)[joint, LINEAR] == GEARED:
+    locked = integers(world, JOINT)[joint, j.LOCKED]
+    links[link, j.HELD_AXES] = locked
+    if integers(world, JOINT)[joint, j.LINEAR] == j.GEARED:
         return _write_gear(joint, link, h, mode, world)
     v, w = relative_velocity(joint, world)
     look_here(joint, link, world)
@@ -92,22 +51,24 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
         _look_ahead(joint, link, h if mode == AHEAD else 0.0, world)
     off, turned_off, per_h = 0.0, 0.0, 1.0 / h
     for k in range(6):
-        speed = dot(vector_at(numbers, joint, AXES + 3 * k), v if k < 3 else w)
-        brake = numbers[joint, BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
-        wrong = numbers[joint, MISALIGNMENT + k]
-        work[link, AXIS_SPEED + k] = speed
-        work[link, RIGHT_HAND_SIDE + k] = 0.0
+        speed = dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w)
+        brake = numbers[joint, j.BRAKE + k - 3] if mode == AHEAD and k >= 3 else 0.0
+        wrong = numbers[joint, j.MISALIGNMENT + k]
+        work[link, j.AXIS_SPEED + k] = speed
+        work[link, j.RIGHT_HAND_SIDE + k] = 0.0
         if locked >> k & 1:
-            work[link, RIGHT_HAND_SIDE + k] = -wrong * per_h if mode in (AHEAD, REPAIR) else -speed
+            work[link, j.RIGHT_HAND_SIDE + k] = -wrong * per_h if mode in (AHEAD, REPAIR) else -speed
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
-        work[link, SLOPE + k] = brake
-        work[link, PUSH + k] = 0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, JOINT_IMPULSE + k]
-        for column in (LAW_STATE, DELTA_SPEED, AXIS_IMPULSE):
+        work[link, j.SLOPE + k] = brake
+        work[link, j.PUSH + k] = (
+            0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, j.JOINT_IMPULSE + k]
+        )
+        for column in (j.LAW_STATE, j.DELTA_SPEED, j.AXIS_IMPULSE):
             work[link, column + k] = 0.0
     joints, rested = integers(world, JOINT), floats(world, RESTED)
-    size = length(vector_at(numbers, joint, ARM_A)) + length(vector_at(numbers, joint, ARM_B))
-    size += rested[joints[joint, BODY_A], REACH] + rested[joints[joint, BODY_B], REACH]
+    size = length(vector_at(numbers, joint, j.ARM_A)) + length(vector_at(numbers, joint, j.ARM_B))
+    size += rested[joints[joint, j.BODY_A], REACH] + rested[joints[joint, j.BODY_B], REACH]
     off = off / (size * size) if size > 0.0 else 0.0
     return math.sqrt(turned_off + off) if mode == AHEAD else 0.0
 
@@ -116,17 +77,17 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
 def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float:
     """Set the right-hand side of a gear; return the error that it will have, as an angle or in parts of its bodies."""
     joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    k = joints[joint, PRINCIPAL]
-    put_wrenches(joint, 0.0, work, link, START_WRENCHES, world)
-    wrong = put_wrenches(joint, h if mode == AHEAD else 0.0, work, link, AHEAD_WRENCHES, world)
-    for column in (RIGHT_HAND_SIDE, SLOPE, PUSH, AXIS_SPEED, LAW_STATE, DELTA_SPEED, AXIS_IMPULSE):
+    k = joints[joint, j.PRINCIPAL]
+    put_wrenches(joint, 0.0, work, link, j.START_WRENCHES, world)
+    wrong = put_wrenches(joint, h if mode == AHEAD else 0.0, work, link, j.AHEAD_WRENCHES, world)
+    for column in (j.RIGHT_HAND_SIDE, j.SLOPE, j.PUSH, j.AXIS_SPEED, j.LAW_STATE, j.DELTA_SPEED, j.AXIS_IMPULSE):
         for axis in range(6):
             work[link, column + axis] = 0.0
-    work[link, AXIS_SPEED + k] = speed_of_gear(joint, link, world)
-    work[link, RIGHT_HAND_SIDE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -work[link, AXIS_SPEED + k]
-    numbers[joint, MISALIGNMENT + k] = wrong
+    work[link, j.AXIS_SPEED + k] = speed_of_gear(joint, link, world)
+    work[link, j.RIGHT_HAND_SIDE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -work[link, j.AXIS_SPEED + k]
+    numbers[joint, j.MISALIGNMENT + k] = wrong
     if mode == RELAX:
-        numbers[joint, JOINT_POSITION + k] = wrong
+        numbers[joint, j.JOINT_POSITION + k] = wrong
     size = 0.0
     for i in range(4):
         size += floats(world, RESTED)[geared_body(joint, i, world), REACH]
@@ -140,9 +101,9 @@ def look_here(joint: int, link: int, world: int) -> None:
     """Take axes and arms as they are for those at the end of the substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     for k in range(18):
-        work[link, AXES_AHEAD + k] = numbers[joint, AXES + k]
-    put_vector(work, link, ARM_A_AHEAD, vector_at(numbers, joint, ARM_A))
-    put_vector(work, link, ARM_B_AHEAD, vector_at(numbers, joint, ARM_B))
+        work[link, j.AXES_AHEAD + k] = numbers[joint, j.AXES + k]
+    put_vector(work, link, j.ARM_A_AHEAD, vector_at(numbers, joint, j.ARM_A))
+    put_vector(work, link, j.ARM_B_AHEAD, vector_at(numbers, joint, j.ARM_B))
 
 
 @compiled(cached=False)
@@ -155,38 +116,38 @@ def _look_ahead(joint: int, link: int, h: float, world: int) -> None:
     """
     pose, motion, work = floats(world, POSE), floats(world, MOTION), floats(world, LINK_NUMBERS)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
-    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-    qa = product(exponential(times(h, vector_at(motion, a, ANGULAR_PART))), quaternion_at(pose, a, ANGULAR_PART))
-    qb = product(exponential(times(h, vector_at(motion, b, ANGULAR_PART))), quaternion_at(pose, b, ANGULAR_PART))
-    arm_b = turned(qb, vector_at(numbers, joint, ANCHOR_B))
-    arm_a = plus(minus(vector_at(pose, b, LINEAR_PART), vector_at(pose, a, LINEAR_PART)), arm_b)
-    moved = minus(vector_at(motion, b, LINEAR_PART), vector_at(motion, a, LINEAR_PART))
+    a, b = joints[joint, j.BODY_A], joints[joint, j.BODY_B]
+    qa = product(exponential(times(h, vector_at(motion, a, j.ANGULAR_PART))), quaternion_at(pose, a, j.ANGULAR_PART))
+    qb = product(exponential(times(h, vector_at(motion, b, j.ANGULAR_PART))), quaternion_at(pose, b, j.ANGULAR_PART))
+    arm_b = turned(qb, vector_at(numbers, joint, j.ANCHOR_B))
+    arm_a = plus(minus(vector_at(pose, b, j.LINEAR_PART), vector_at(pose, a, j.LINEAR_PART)), arm_b)
+    moved = minus(vector_at(motion, b, j.LINEAR_PART), vector_at(motion, a, j.LINEAR_PART))
     arm_a = plus(arm_a, times(h, moved))
-    way = minus(arm_a, turned(qa, vector_at(numbers, joint, ANCHOR_A)))
-    put_vector(work, link, ARM_A_AHEAD, arm_a)
-    put_vector(work, link, ARM_B_AHEAD, arm_b)
-    fa = product(qa, quaternion_at(numbers, joint, FRAME_A))
-    if joints[joint, LINEAR] == FRAME:
+    way = minus(arm_a, turned(qa, vector_at(numbers, joint, j.ANCHOR_A)))
+    put_vector(work, link, j.ARM_A_AHEAD, arm_a)
+    put_vector(work, link, j.ARM_B_AHEAD, arm_b)
+    fa = product(qa, quaternion_at(numbers, joint, j.FRAME_A))
+    if joints[joint, j.LINEAR] == j.FRAME:
         for k in range(3):
-            put_vector(work, link, AXES_AHEAD + 3 * k, turned(fa, axis_unit(k)))
-        put_vector(numbers, joint, MISALIGNMENT, turned_back(fa, way))
+            put_vector(work, link, j.AXES_AHEAD + 3 * k, turned(fa, axis_unit(k)))
+        put_vector(numbers, joint, j.MISALIGNMENT, turned_back(fa, way))
     else:
         off = way
-        if joints[joint, LINEAR] == LINE:
-            off = put_line(work, link, AXES_AHEAD, way, fa, numbers[joint, LENGTH])
-        put_vector(numbers, joint, MISALIGNMENT, off)
-    if joints[joint, ANGULAR] >= LOOSE:
+        if joints[joint, j.LINEAR] == j.LINE:
+            off = put_line(work, link, j.AXES_AHEAD, way, fa, numbers[joint, j.LENGTH])
+        put_vector(numbers, joint, j.MISALIGNMENT, off)
+    if joints[joint, j.ANGULAR] >= j.LOOSE:
         return
-    relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, FRAME_B)))
+    relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, j.FRAME_B)))
     for k in range(3):
-        put_vector(work, link, AXES_AHEAD + 9 + 3 * k, turned(fa, axis_unit(k)))
-    i = joints[joint, PIVOT]
-    if joints[joint, ANGULAR] == RIGID:
+        put_vector(work, link, j.AXES_AHEAD + 9 + 3 * k, turned(fa, axis_unit(k)))
+    i = joints[joint, j.PIVOT]
+    if joints[joint, j.ANGULAR] == j.RIGID:
         off = rotation_vector(relative)
-    elif joints[joint, ANGULAR] == HINGE:
+    elif joints[joint, j.ANGULAR] == j.HINGE:
         off = cross(axis_unit(i), turned(relative, axis_unit(i)))
     else:
         second = turned(relative, axis_unit((i + 1) % 3))
-        put_cross(work, link, AXES_AHEAD + 9, i, fa, second)
+        put_cross(work, link, j.AXES_AHEAD + 9, i, fa, second)
         off = times(-second[i], axis_unit((i + 2) % 3))
-    put_vector(numbers, joint, MISALIGNMENT + 3, off)
+    put_vector(numbers, joint, j.MISALIGNMENT + 3, off)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import direction, vector
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis, is_number
-from kickdrift.world.joints.record import Axes, Placement, Record, direction, point
+from kickdrift.world.joints.record import Axes, Placement, Record
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,11 @@ class SixDof(Record):
 
     def placement(self) -> Placement:
         """Return the frame of the joint and the laws of its axes."""
-        anchor, x, y = point("anchor", self.anchor), direction("axis_x", self.axis_x), direction("axis_y", self.axis_y)
+        anchor, x, y = (
+            vector("anchor", self.anchor, 3),
+            direction("axis_x", self.axis_x),
+            direction("axis_y", self.axis_y),
+        )
         if abs(x @ y) > 1e-6:
             raise ArgumentError(
                 f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} must be at right angles to each other."

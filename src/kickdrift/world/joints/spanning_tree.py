@@ -8,31 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.joints.layout import (
-    BODY_A,
-    BODY_B,
-    BRAKE,
-    BROKEN,
-    CLOSINGS,
-    END,
-    FIRST,
-    GEARED,
-    GEARED_JOINTS,
-    JOINED_ROWS,
-    JOINT_KIND,
-    LINEAR,
-    LINK_A,
-    LINK_B,
-    LINK_BODY,
-    LINK_JOINT,
-    LINKS,
-    LOCKED,
-    NONE,
-    PARENT,
-    REMOVED_JOINT,
-    SEQUENTIAL,
-    SIGN,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.tables import (
     ARTICULATION,
@@ -73,7 +49,7 @@ def arrange(tables: Tables) -> None:
     for members in _components(edges):
         links, closings = _span_all(members, tables)
         place = {link[0]: k for k, link in enumerate(links)}
-        rows = [[edge.joint, place.get(edge.a, NONE), place.get(edge.b, NONE)] for edge in closings]
+        rows = [[edge.joint, place.get(edge.a, j.NONE), place.get(edge.b, j.NONE)] for edge in closings]
         pairs = [pair for edge in closings for pair in combinations(edge.bodies or (edge.a, edge.b), 2)]
         coupled = [(place[a], place[b]) for a, b in pairs if a in place and b in place and a != b]
         parts.append(_Part(links, rows, bool(closings) and _is_dense(links, coupled)))
@@ -84,16 +60,16 @@ def _edges(tables: Tables) -> list[_Edge]:
     """Joints that hold something that moves; a body that nothing moves is -1."""
     joints = tables.array(JOINT)
     moves: NDArray[np.bool_] = np.any(tables.array(INVERSE_MASS)[:, :7] != 0.0, axis=1)
-    there = np.flatnonzero((joints[:, JOINT_KIND] != REMOVED_JOINT) & (joints[:, BROKEN] == 0))
+    there = np.flatnonzero((joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.BROKEN] == 0))
     edges = []
     for joint in there.tolist():
-        a, b = (int(body) if moves[body] else NONE for body in joints[joint, [BODY_A, BODY_B]])
-        if a != NONE or b != NONE:
+        a, b = (int(body) if moves[body] else j.NONE for body in joints[joint, [j.BODY_A, j.BODY_B]])
+        if a != j.NONE or b != j.NONE:
             bodies: tuple[int, ...] = ()
-            if joints[joint, LINEAR] == GEARED:
-                geared = joints[joint, GEARED_JOINTS : GEARED_JOINTS + 2]
-                bodies = tuple(joints[geared][:, [BODY_A, BODY_B]].ravel().tolist())
-            edges.append(_Edge(joint, a, b, int(joints[joint, LOCKED]).bit_count(), bodies))
+            if joints[joint, j.LINEAR] == j.GEARED:
+                geared = joints[joint, j.GEARED_JOINTS : j.GEARED_JOINTS + 2]
+                bodies = tuple(joints[geared][:, [j.BODY_A, j.BODY_B]].ravel().tolist())
+            edges.append(_Edge(joint, a, b, int(joints[joint, j.LOCKED]).bit_count(), bodies))
     return edges
 
 
@@ -108,11 +84,11 @@ def _components(edges: list[_Edge]) -> list[list[_Edge]]:
         return body
 
     for edge in edges:
-        if NONE not in (edge.a, edge.b):
+        if j.NONE not in (edge.a, edge.b):
             root[find(edge.a)] = find(edge.b)
     parts: dict[int, list[_Edge]] = {}
     for edge in edges:
-        parts.setdefault(find(edge.a if edge.a != NONE else edge.b), []).append(edge)
+        parts.setdefault(find(edge.a if edge.a != j.NONE else edge.b), []).append(edge)
     return list(parts.values())
 
 
@@ -124,7 +100,7 @@ def _span_all(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list
         grown, others = _span(held, tables)
         first = len(links)
         links += [
-            [body, joint, parent if parent == NONE else first + parent, sign] for body, joint, parent, sign in grown
+            [body, joint, parent if parent == j.NONE else first + parent, sign] for body, joint, parent, sign in grown
         ]
         closings += others
     return links, closings + [edge for edge in edges if edge.bodies]
@@ -145,10 +121,10 @@ def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Ed
         at[edge.a].append(edge)
         at[edge.b].append(edge)
     links: list[list[int]] = []
-    place: dict[int, int] = {NONE: NONE}
-    if NONE not in at:
+    place: dict[int, int] = {j.NONE: j.NONE}
+    if j.NONE not in at:
         heaviest = max(at, key=lambda body: (tables.array(INERTIA)[body, MASS], -body))
-        links.append([heaviest, NONE, NONE, 1])
+        links.append([heaviest, j.NONE, j.NONE, 1])
         place = {heaviest: 0}
     start = next(iter(place))
     heap = [(-edge.weight, edge.joint, edge) for edge in at[start]]
@@ -173,7 +149,7 @@ def _is_dense(links: list[list[int]], coupled: list[tuple[int, int]]) -> bool:
     near: list[set[int]] = [set() for _ in links]
     children, gone, left = [0] * len(links), [False] * len(links), _PAIRS * max(_NODES, len(links))
     for _, _, parent, _ in links:
-        if parent != NONE:
+        if parent != j.NONE:
             children[parent] += 1
     for a, b in coupled:
         near[a].add(b)
@@ -188,12 +164,12 @@ def _is_dense(links: list[list[int]], coupled: list[tuple[int, int]]) -> bool:
         left -= degree * degree
         if left < 0:
             return True
-        all_near = near[node] | {parent} if near[node] and parent != NONE else near[node]
+        all_near = near[node] | {parent} if near[node] and parent != j.NONE else near[node]
         for other in all_near:
             near[other] = (near[other] | all_near) - {other, node}
             if children[other] == 0:
                 heapq.heappush(heap, (len(near[other]), other))
-        if parent != NONE:
+        if parent != j.NONE:
             children[parent] -= 1
             if children[parent] == 0:
                 heapq.heappush(heap, (len(near[parent]), parent))
@@ -208,20 +184,20 @@ def _write(tables: Tables, parts: list[_Part]) -> None:
     rows = tables.resize(LINK, size)
     table[:] = 0
     tables.array(LINK_NUMBERS)[:] = 0.0
-    tables.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3] = 0.0  # of joints that close loops it stays so
+    tables.array(JOINT_NUMBERS)[:, j.BRAKE : j.BRAKE + 3] = 0.0  # of joints that close loops it stays so
     tables.array(BODY)[:, [LINK_PLACE, LINK_COUNT]] = 0
     rows[:] = 0
-    rows[:, [PARENT, LINK_A, LINK_B]] = NONE
+    rows[:, [j.PARENT, j.LINK_A, j.LINK_B]] = j.NONE
     first = 0
     for row, (links, closings, sequential) in zip(table, parts, strict=True):
-        row[[FIRST, LINKS, CLOSINGS, END, SEQUENTIAL]] = first, len(links), len(closings), first, sequential
+        row[[j.FIRST, j.LINKS, j.CLOSINGS, j.END, j.SEQUENTIAL]] = first, len(links), len(closings), first, sequential
         for k, (body, joint, parent, sign) in enumerate(links, first):
-            rows[k, [LINK_BODY, LINK_JOINT, SIGN]] = body, joint, sign
+            rows[k, [j.LINK_BODY, j.LINK_JOINT, j.SIGN]] = body, joint, sign
             tables.array(BODY)[body, [LINK_PLACE, LINK_COUNT]] = (-1, 0) if sequential else (k + 1, len(links))
-            rows[k, PARENT] = NONE if parent == NONE else first + parent
+            rows[k, j.PARENT] = j.NONE if parent == j.NONE else first + parent
         first += len(links)
         for k, (joint, a, b) in enumerate(closings, first):
-            rows[k, [LINK_JOINT, SIGN]] = joint, 1
-            rows[k, [LINK_A, LINK_B]] = [NONE if link == NONE else row[FIRST] + link for link in (a, b)]
+            rows[k, [j.LINK_JOINT, j.SIGN]] = joint, 1
+            rows[k, [j.LINK_A, j.LINK_B]] = [j.NONE if link == j.NONE else row[j.FIRST] + link for link in (a, b)]
         first += len(closings)
-    tables.resize(GRAPH, 1)[0, JOINED_ROWS] = size
+    tables.resize(GRAPH, 1)[0, j.JOINED_ROWS] = size

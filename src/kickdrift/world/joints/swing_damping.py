@@ -13,24 +13,7 @@ links of 1 kg with an end of 1000 kg swings so for as long as one likes; without
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, dot, minus, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.joints.layout import (
-    ANGULAR_PART,
-    ARM_A,
-    ARM_B,
-    AXES,
-    BODY_A,
-    BRAKE,
-    JOINT_IMPULSE,
-    JOINT_POSITION,
-    LENGTH,
-    LINE,
-    LINEAR,
-    LOCKED,
-    PARENT,
-    PULL,
-    SIGN,
-    YIELD,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_INERTIA
 from kickdrift.world.tables import INERTIA, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, POSE, floats, integers
 
@@ -45,21 +28,22 @@ _ALONE = 5.0
 def set_brakes(link: int, joint: int, h: float, world: int) -> None:
     """Find out how much the joint of a link is to be braked in the next substep, after the relaxation."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    force, held = (0.0, 0.0, 0.0), integers(world, JOINT)[joint, LOCKED]
+    force, held = (0.0, 0.0, 0.0), integers(world, JOINT)[joint, j.LOCKED]
     for k in range(3):
-        numbers[joint, PULL + k] = 0.5 * (numbers[joint, PULL + k] + numbers[joint, JOINT_IMPULSE + k])
+        numbers[joint, j.PULL + k] = 0.5 * (numbers[joint, j.PULL + k] + numbers[joint, j.JOINT_IMPULSE + k])
         force = plus(
-            force, times(h * links[link, SIGN] * numbers[joint, PULL + k], vector_at(numbers, joint, AXES + 3 * k))
+            force,
+            times(h * links[link, j.SIGN] * numbers[joint, j.PULL + k], vector_at(numbers, joint, j.AXES + 3 * k)),
         )
-    arm = _arm(joint, 1 if links[link, SIGN] > 0 else 0, world)
+    arm = _arm(joint, 1 if links[link, j.SIGN] > 0 else 0, world)
     for k in range(3, 6):
-        axis = vector_at(numbers, joint, AXES + 3 * k)
+        axis = vector_at(numbers, joint, j.AXES + 3 * k)
         stiffness = dot(arm, force) - dot(axis, arm) * dot(axis, force)
-        turned = work[link, YIELD + k] * stiffness
-        unresolved = turned > _RESOLVED and links[link, PARENT] >= 0 and not held >> k & 1
+        turned = work[link, j.YIELD + k] * stiffness
+        unresolved = turned > _RESOLVED and links[link, j.PARENT] >= 0 and not held >> k & 1
         if unresolved:
-            turned = min(turned, _most(joint, axis, times(links[link, SIGN], force), world) / _ALONE)
-        numbers[joint, BRAKE + k - 3] = (
+            turned = min(turned, _most(joint, axis, times(links[link, j.SIGN], force), world) / _ALONE)
+        numbers[joint, j.BRAKE + k - 3] = (
             _BRAKING * stiffness * (1.0 - _RESOLVED / turned) if unresolved and turned > _RESOLVED else 0.0
         )
 
@@ -69,11 +53,11 @@ def _arm(joint: int, side: int, world: int) -> Vector:
     """From the centre of a body to its own end of a joint: the line of a rope is no part of its arm."""
     numbers = floats(world, JOINT_NUMBERS)
     if side == 1:
-        return vector_at(numbers, joint, ARM_B)
-    arm = vector_at(numbers, joint, ARM_A)
-    if integers(world, JOINT)[joint, LINEAR] == LINE:
-        line = numbers[joint, JOINT_POSITION + 2] + numbers[joint, LENGTH]
-        arm = minus(arm, times(line, vector_at(numbers, joint, AXES + 6)))
+        return vector_at(numbers, joint, j.ARM_B)
+    arm = vector_at(numbers, joint, j.ARM_A)
+    if integers(world, JOINT)[joint, j.LINEAR] == j.LINE:
+        line = numbers[joint, j.JOINT_POSITION + 2] + numbers[joint, j.LENGTH]
+        arm = minus(arm, times(line, vector_at(numbers, joint, j.AXES + 6)))
     return arm
 
 
@@ -86,9 +70,9 @@ def _most(joint: int, axis: Vector, force: Vector, world: int) -> float:
     """
     joints, inertia, most = integers(world, JOINT), floats(world, INERTIA), 0.0
     for side in range(2):
-        body = joints[joint, BODY_A + side]
+        body = joints[joint, j.BODY_A + side]
         arm, pull = _arm(joint, side, world), times(1.0 if side == 1 else -1.0, force)
-        seen = turned_back(quaternion_at(floats(world, POSE), body, ANGULAR_PART), axis)
+        seen = turned_back(quaternion_at(floats(world, POSE), body, j.ANGULAR_PART), axis)
         moment = dot(seen, applied(symmetric_at(inertia, body, BODY_INERTIA), seen))
         stiffness = 2.0 * (dot(arm, pull) - dot(axis, arm) * dot(axis, pull))
         most = max(most, stiffness / moment if moment > 0.0 else 0.0)

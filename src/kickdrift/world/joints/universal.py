@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.arguments import direction, vector
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis
-from kickdrift.world.joints.record import Placement, Record, direction, point
+from kickdrift.world.joints.record import Placement, Record
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,11 @@ class Universal(Record):
 
     def placement(self) -> Placement:
         """Return the frame of the joint and the laws of its axes."""
-        anchor, x, y = point("anchor", self.anchor), direction("axis_a", self.axis_a), direction("axis_b", self.axis_b)
+        anchor, x, y = (
+            vector("anchor", self.anchor, 3),
+            direction("axis_a", self.axis_a),
+            direction("axis_b", self.axis_b),
+        )
         if abs(x @ y) > 1e-6:
             raise ArgumentError(
                 f"axis_b={self.axis_b!r} and axis_a={self.axis_a!r} must be at right angles to each other."

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, turned
+from kickdrift.core.vectors import Quaternion, Vector, matrix, turned
 
 Extent = tuple[float, float, float, float, float, float]  # lower corner, upper corner
 
@@ -13,12 +13,12 @@ Extent = tuple[float, float, float, float, float, float]  # lower corner, upper 
 @compiled(inline=True)
 def turned_extents(q: Quaternion, sides: Vector) -> Vector:
     """Return the half sides of the axis-aligned bounds of a rotated box with the given half sides: |R| sides."""
-    w, x, y, z = q
     a, b, c = sides
+    u, v, w = matrix(q)
     return (
-        abs(1.0 - 2.0 * (y * y + z * z)) * a + abs(2.0 * (x * y - w * z)) * b + abs(2.0 * (x * z + w * y)) * c,
-        abs(2.0 * (x * y + w * z)) * a + abs(1.0 - 2.0 * (x * x + z * z)) * b + abs(2.0 * (y * z - w * x)) * c,
-        abs(2.0 * (x * z - w * y)) * a + abs(2.0 * (y * z + w * x)) * b + abs(1.0 - 2.0 * (x * x + y * y)) * c,
+        abs(u[0]) * a + abs(u[1]) * b + abs(u[2]) * c,
+        abs(v[0]) * a + abs(v[1]) * b + abs(v[2]) * c,
+        abs(w[0]) * a + abs(w[1]) * b + abs(w[2]) * c,
     )
 
 

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import real, reals
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.rotations import matrices
+from kickdrift.world.arguments import vector
 
 Array = NDArray[np.float64]
 
@@ -83,7 +85,7 @@ def placed(
     ArgumentError
         If the density or mass is not positive and finite, if both or neither are given, or if a pose is not finite.
     """
-    where = _finite("position", position, 3)
+    where = vector("position", position, 3)
     rotation = rotation_matrix(orientation)
     if (density is None) == (mass is None):
         raise ArgumentError(f"density={density!r} and mass={mass!r}: give exactly one of them.")
@@ -178,21 +180,14 @@ def checked_inertia(inertia: ArrayLike, argument: str = "inertia") -> Array:
 
 def rotation_matrix(orientation: ArrayLike) -> Array:
     """Return the (3, 3) matrix of a quaternion (w, x, y, z) of any length but zero; ArgumentError for others."""
-    quaternion = _finite("orientation", orientation, 4)
+    quaternion = vector("orientation", orientation, 4)
     size = np.sqrt(quaternion @ quaternion)
     if not 1e-100 < size < 1e100:
         raise ArgumentError(
             f"orientation={quaternion.tolist()} has norm {size:g} and is not a rotation; give a quaternion (w, x, y,"
             " z) of norm one."
         )
-    w, x, y, z = quaternion / size
-    return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    )
+    return matrices(quaternion / size)
 
 
 def extent(argument: str, value: float) -> float:
@@ -212,18 +207,6 @@ def positive(argument: str, value: float, unit: str) -> float:
     if not 0.0 < number < np.inf:
         raise ArgumentError(f"{argument}={number:g} {unit} must be positive and finite.")
     return number
-
-
-def _finite(argument: str, value: ArrayLike, size: int) -> Array:
-    try:
-        array = reals(value)
-    except TypeError as error:
-        raise ArgumentError(f"{argument}={value!r} must be numbers: {error}; give {size}.") from None
-    if array.shape != (size,):
-        raise ArgumentError(f"{argument} has the shape {array.shape}; give {size} numbers.")
-    if not np.isfinite(array).all():
-        raise ArgumentError(f"{argument}={array.tolist()} is not finite; give {size} finite numbers.")
-    return array
 
 
 def _listed(moments: NDArray[np.floating[Any]]) -> str:
