@@ -1,6 +1,7 @@
 """Cloths that touch themselves and each other: nothing passes through, and nothing is thrown about."""
 
 import copy
+import itertools
 
 import numpy as np
 import pytest
@@ -82,6 +83,41 @@ def test_what_is_known_of_pairs_holds_until_they_are_sought_anew():
     count, travelled = world.tables.count(tables.CLOTH_PAIR), world.tables.row(tables.CLOTH_SEARCH, 0)[layout.TRAVELLED]
     seen = [world.tables.row(tables.CLOTH_PAIR_NUMBERS, row)[layout.PAIR_SEEN] for row in range(count)]
     assert 0.0 < max(seen) <= travelled
+
+
+def test_pairs_that_are_sought_again_around_strays_are_all_that_are_near():
+    world = kd.World(gravity=(0, 0, 0))
+    below = world.add_cloth_grid((0.5, 0.5), (11, 11), density=0.3)
+    above = world.add_cloth_grid((0.4, 0.4), (8, 8), position=(0.03, 0.02, 0.02), orientation=(0.98, 0.15, 0.1, 0.05))
+    above.velocity[:, 2], above.velocity[:, 0] = -1.0, 2.0 * np.sin(20.0 * above.position[:, 0])
+    stray, near = [], 0
+    for _ in range(7):
+        world.step(STEP)
+        stray.append((world.tables.array(tables.PARTICLE_PATH)[:, layout.PREDICTED_AT] > 0.0).mean())
+        pairs = world.tables.array(tables.CLOTH_PAIR)
+        vertices = pairs[pairs[:, layout.PAIR_KIND] == VERTEX_FACE, layout.PAIR_PARTICLES :][:, :4]
+        known, x = set(map(tuple, vertices.tolist())), np.concatenate((below.position, above.position))
+        for points, faces in ((range(121), above.triangles + 121), (range(121, 185), below.triangles)):
+            for i, face in itertools.product(points, faces.tolist()):
+                if np.linalg.norm(nearest(VERTEX_FACE, *map(tuple, x[[i, *face]]))[1]) < 0.005:
+                    near += 1
+                    assert (i, *face) in known
+    assert near > 100
+    assert 0.1 < max(stray) < 0.5
+    assert min(stray) == 0.0
+
+
+def test_neighbouring_triangles_of_a_crumpled_sheet_do_not_fold_through_each_other():
+    """At its corners a sheet on a ball folds within a triangle's length, where pairs are sought again around few particles."""
+    world = kd.World()
+    world.add_plane()
+    world.add_sphere(0.3, position=(0, 0, 0.3), static=True)
+    sheet = world.add_cloth_grid(
+        (1.0, 1.0), (24, 24), position=(0, 0, 0.65), density=0.2, damping=1e-3, linear_damping=0.5, self_collision=True
+    )
+    for _ in range(4):
+        world.advance(STEP, 10)
+        assert crossings(sheet) == 0
 
 
 def test_patches_that_are_not_compared_are_one_piece_with_what_joins_them():

@@ -13,16 +13,22 @@ from kickdrift.world.collision.bvh import ITEM, build, fit, gather
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.collision.search_state import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
-from kickdrift.world.contacts.layout import SENSOR, TOUCHING
+from kickdrift.world.contacts.layout import BODY_A, BODY_B, CONTACT_STATE, SENSOR, TOUCHING
 from kickdrift.world.layout import (
     AWAKE,
     BEGINS,
+    BODY_KIND,
+    BODY_ROW,
     DYNAMIC,
     FIRST_BODY,
+    IS_SENSOR,
     KINEMATIC,
+    LAYER,
+    MASK,
     RADIUS,
     SEARCH_STATE,
     SECOND_BODY,
+    SHAPE_KIND,
     STATIC,
 )
 from kickdrift.world.settings import GRAVITY, MARGIN
@@ -88,7 +94,7 @@ class Scene:
         return self.shape(self.body(kind, position), BOX, np.broadcast_to(half, 3), **options)
 
     def remove(self, row):
-        self[t.SHAPE][row, 0] = -1
+        self[t.SHAPE][row, SHAPE_KIND] = -1
         shapes_changed(self.tables)
 
     def find(self, step=STEP):
@@ -106,7 +112,7 @@ class Scene:
         return [tuple(map(int, row[:3])) for row in self[t.CONTACT]]
 
     def move(self, step=STEP):
-        pose, motion, kind = self[t.POSE], self[t.MOTION], self[t.BODY][:, 0]
+        pose, motion, kind = self[t.POSE], self[t.MOTION], self[t.BODY][:, BODY_KIND]
         moving = kind != STATIC
         pose[moving, :3] += step * motion[moving, :3]
         for body in np.flatnonzero(moving):
@@ -151,7 +157,7 @@ def corners(scene, shape):
 
 def tight_box(scene, shape, ahead=0.0):
     """Box of a shape as its body will be after some time of free flight."""
-    body = scene[t.SHAPE][shape, 1]
+    body = scene[t.SHAPE][shape, BODY_ROW]
     motion = scene[t.MOTION][body]
     turn = turned_by(ahead * motion[3:6], scene[t.POSE][body, 3:7])
     points, radius = corners(scene, shape)
@@ -166,7 +172,7 @@ def overlap(a, b):
 
 
 def under(scene, plane, box):
-    body = scene[t.SHAPE][plane, 1]
+    body = scene[t.SHAPE][plane, BODY_ROW]
     turn = matrix(scene[t.POSE][body, 3:7])
     normal = turn @ matrix(scene[t.PLACE][plane, 3:7])[:, 2]
     origin = turn @ scene[t.PLACE][plane, :3] + scene[t.POSE][body, :3]
@@ -181,7 +187,7 @@ def triangle_boxes(scene, mesh):
 
 def near(scene, a, b, boxes):
     """Parts of a that the box of b overlaps: [0] or [] for a shape without parts."""
-    kind = scene[t.SHAPE][a, 0]
+    kind = scene[t.SHAPE][a, SHAPE_KIND]
     if kind == PLANE:
         return [0] if under(scene, a, boxes[b]) else []
     if kind == MESH:  # meshes of these scenes stand where they were made
@@ -191,15 +197,17 @@ def near(scene, a, b, boxes):
 
 def expected(scene, boxes, excluded=()):
     """All pairs there must be if the shapes are in these boxes."""
-    shapes, kinds, boxes = scene[t.SHAPE], scene[t.BODY][:, 0], boxes.tolist()
+    shapes, kinds, boxes = scene[t.SHAPE], scene[t.BODY][:, BODY_KIND], boxes.tolist()
     found = set()
-    for a, b in combinations([row for row in range(len(shapes)) if shapes[row, 0] >= 0], 2):
-        i, j = shapes[a, 1], shapes[b, 1]
+    for a, b in combinations([row for row in range(len(shapes)) if shapes[row, SHAPE_KIND] >= 0], 2):
+        i, j = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
         if i == j or DYNAMIC not in (kinds[i], kinds[j]) or {int(i), int(j)} in map(set, excluded):
             continue
-        if not (shapes[a, 4] & shapes[b, 5] and shapes[b, 4] & shapes[a, 5]) or (shapes[a, 6] and shapes[b, 6]):
+        if not (shapes[a, LAYER] & shapes[b, MASK] and shapes[b, LAYER] & shapes[a, MASK]) or (
+            shapes[a, IS_SENSOR] and shapes[b, IS_SENSOR]
+        ):
             continue
-        rank = [(TRIANGLE if shapes[s, 0] == MESH else shapes[s, 0], s) for s in (a, b)]
+        rank = [(TRIANGLE if shapes[s, SHAPE_KIND] == MESH else shapes[s, SHAPE_KIND], s) for s in (a, b)]
         first, second = (a, b) if rank[0] < rank[1] else (b, a)
         found |= {(first, second, part) for part in near(scene, first, second, boxes)}
     return found
@@ -211,13 +219,13 @@ def check(scene, pairs, step=STEP, excluded=()):
     assert len(set(pairs)) == len(pairs)
     assert set(pairs) == expected(scene, scene[t.BOUNDS][:, :6], excluded)
     for ahead in (0.0, 0.37 * step, step):
-        finite = [row for row in range(len(shapes)) if shapes[row, 0] > PLANE]
+        finite = [row for row in range(len(shapes)) if shapes[row, SHAPE_KIND] > PLANE]
         boxes = np.zeros((len(shapes), 6))
         for row in finite:
             boxes[row] = tight_box(scene, row, ahead)
         assert expected(scene, boxes, excluded) <= set(pairs)
     for contact, (a, b, _) in zip(scene[t.CONTACT], pairs, strict=True):
-        assert list(contact[3:5]) == [shapes[a, 1], shapes[b, 1]]
+        assert list(contact[[BODY_A, BODY_B]]) == [shapes[a, BODY_ROW], shapes[b, BODY_ROW]]
 
 
 def random_scene(seed, count=60, decades=3.0, speed=10.0):
@@ -424,7 +432,7 @@ def test_layers_masks_sensors_and_bodies_decide_who_may_touch():
     sensor = scene.box(at, sensor=1)
     second_sensor = scene.box(at, sensor=1)
     scene.box(at, kind=STATIC, sensor=1)
-    same = scene.shape(scene[t.SHAPE][plain, 1], SPHERE, [0.5])
+    same = scene.shape(scene[t.SHAPE][plain, BODY_ROW], SPHERE, [0.5])
     pushed = scene.box(at, kind=KINEMATIC)
     fixed = scene.box(at, kind=STATIC)
     pairs = scene.find()
@@ -435,7 +443,7 @@ def test_layers_masks_sensors_and_bodies_decide_who_may_touch():
     assert (same, plain, 0) not in pairs
     assert (pushed, fixed, 0) not in pairs
     assert (same, pushed, 0) in pairs  # a sphere comes before a box
-    flags = dict(zip(pairs, scene[t.CONTACT][:, 6], strict=True))
+    flags = dict(zip(pairs, scene[t.CONTACT][:, CONTACT_STATE], strict=True))
     assert flags[plain, sensor, 0] == SENSOR
     assert flags[plain, pushed, 0] == 0
 
@@ -493,7 +501,7 @@ def test_a_body_that_begins_to_move_leaves_the_static_tree():
     scene = Scene()
     a, b = scene.box(kind=STATIC), scene.box((0, 0, 0.9), kind=STATIC)
     assert scene.find() == []
-    body = scene[t.SHAPE][b, 1]
+    body = scene[t.SHAPE][b, BODY_ROW]
     scene[t.BODY][body, :2] = DYNAMIC, 1
     shapes_changed(scene.tables, [b])
     assert scene.find() == [(a, b, 0)]
@@ -509,7 +517,7 @@ def test_a_static_shape_that_is_put_elsewhere_is_found_there():
     wall = scene.box((50, 0, 0), kind=STATIC)
     box = scene.box()
     assert scene.find() == []
-    scene[t.POSE][scene[t.SHAPE][wall, 1], 0] = 0.9
+    scene[t.POSE][scene[t.SHAPE][wall, BODY_ROW], 0] = 0.9
     shapes_changed(scene.tables, [wall])
     assert scene.find() == [(wall, box, 0)]
 
@@ -518,8 +526,8 @@ def test_shapes_that_part_in_one_step_no_longer_touch():
     scene = Scene()
     a, b = scene.box(), scene.box((0.9, 0, 0))
     scene.find()
-    scene[t.CONTACT][0, 6] |= TOUCHING
-    scene[t.POSE][scene[t.SHAPE][b, 1], 0] = 40.0
+    scene[t.CONTACT][0, CONTACT_STATE] |= TOUCHING
+    scene[t.POSE][scene[t.SHAPE][b, BODY_ROW], 0] = 40.0
     assert scene.find() == []
     (event,) = scene[t.EVENTS]
     assert not event[BEGINS]

@@ -1,5 +1,8 @@
 """Articulations that spin, and that are carried along: they keep what they have."""
 
+import re
+import warnings
+
 import numpy as np
 import pytest
 
@@ -103,3 +106,76 @@ def test_linked_bodies_without_restitution_do_not_turn_through_a_thin_wall(joint
         add(rod, other, anchor=centre + z * along)
     world.advance(STEP, 60)
     assert world.position[rods[0].index :, 0].max() < 0.0
+
+
+def linkage(seed, rate, gravity=(0, 0, 0), damping=0.0, friction=0.0, **settings):
+    """A tree or chain of two to seven boxes on hinges and ball joints, whose joints turn with up to `rate`, rad/s."""
+    rng, world, boxes = np.random.default_rng(seed), World(gravity, **settings), []
+    for k in range(rng.integers(2, 8)):
+        parent = boxes[rng.integers(k) if seed % 2 else k - 1] if k else None
+        size, axis = rng.uniform(0.05, 0.6, 3), rng.normal(size=3)
+        arm, turn = 0.6 * size * rng.uniform(-1, 1, 3), axis / np.linalg.norm(axis) * rate * rng.uniform(-1, 1)
+        anchor, v = np.zeros(3), np.zeros(3)
+        if parent is not None:
+            anchor = parent.position + rng.uniform(-0.3, 0.3, 3)
+            turn = turn + parent.angular_velocity
+            v = parent.velocity + np.cross(parent.angular_velocity, anchor - parent.position)
+        motion = {"velocity": v + np.cross(turn, arm), "angular_velocity": turn, "mass": 10 ** rng.uniform(-0.7, 0.7)}
+        box = world.add_box(size, position=anchor + arm, collides_with=(), damping=damping, **motion)
+        if rng.random() < 0.5:
+            world.add_hinge(parent, box, anchor=anchor, axis=axis, friction=friction)
+        else:
+            world.add_ball_joint(parent, box, anchor=anchor, friction=friction)
+        boxes.append(box)
+    return world
+
+
+def loss_and_warning(world, steps=300):
+    """The part of its energy that a world without gravity has lost, a mean of the last steps, and what was said."""
+    start, energies = world.energy().total, []
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        for _ in range(steps):
+            world.step(STEP)
+            energies.append(world.energy().total)
+    return 1 - np.mean(energies[-30:]) / start, str(said[0].message) if said else None
+
+
+@pytest.mark.parametrize(("seed", "rate"), [(48, 100), (97, 60), (112, 60), (196, 40), (91, 40), (100, 20), (232, 60)])
+def test_energy_that_is_lost_little_by_little_is_said(seed, rate):
+    """1.9 to 9 % of it in 5 s, without one step that loses much; with the substeps said it is kept."""
+    loss, said = loss_and_warning(linkage(seed, rate))
+    assert abs(loss) > 0.018
+    assert re.search(r"(lost|gained) 1(\.\d)? % of the energy of their bodies from t=0.01667 s to [0-9.]+ s", said)
+    loss, said = loss_and_warning(linkage(seed, rate, substeps=int(re.search(r"substeps = (\d+)", said).group(1))))
+    assert abs(loss) < 0.01
+    assert said is None
+
+
+@pytest.mark.parametrize(("seed", "rate"), [(1, 40), (8, 20), (11, 100), (14, 60), (16, 20), (31, 100)])
+def test_fast_linkages_that_keep_their_energy_are_silent(seed, rate):
+    assert abs(loss_and_warning(linkage(seed, rate))[0]) < 0.01
+    linkage(seed, rate).advance(STEP, 300)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_slow_linkages_that_swing_are_silent(seed):
+    linkage(seed, 1.0, gravity=(0, 0, -1.0)).advance(STEP, 240)
+
+
+@pytest.mark.parametrize("cause", ["damping", "friction", "torques", "velocities", "base"])
+def test_what_takes_energy_otherwise_is_no_loss(cause):
+    world = linkage(1, 40, damping=0.2 if cause == "damping" else 0.0, friction=0.2 if cause == "friction" else 0.0)
+    start = world.energy().total
+    if cause == "base":
+        base = world.add_sphere(0.1, kinematic=True, position=(0, 0, 5), velocity=(1, 0, 0))
+        world.add_ball_joint(base, world.add_sphere(0.1, mass=1.0, position=(0, 0, 4)), anchor=(0, 0, 5))
+    for _ in range(60):
+        if cause == "torques":
+            for body in range(1, len(world.velocity)):
+                world.apply_torque(world.bodies.handle(body), -0.05 * world.angular_velocity[body])
+        elif cause == "velocities":
+            world.velocity[:] *= 0.99
+            world.angular_velocity[:] *= 0.99
+        world.advance(STEP, 2)
+    assert cause == "base" or world.energy().total < 0.95 * start

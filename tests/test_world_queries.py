@@ -16,7 +16,7 @@ from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciproca
 from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
 from kickdrift.world.collision.search_state import CHANGED, shapes_changed
-from kickdrift.world.layout import DYNAMIC, RADIUS, STATIC
+from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, RADIUS, SHAPE_KIND, STATIC
 from kickdrift.world.part import Part
 from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
@@ -87,7 +87,7 @@ class Scene(SpatialQueries):
 
     def pose(self, shape):
         """Frame of a shape in the world: origin and rotation matrix."""
-        body, place = self[t.POSE][self[t.SHAPE][shape, 1]], self[t.PLACE][shape]
+        body, place = self[t.POSE][self[t.SHAPE][shape, BODY_ROW]], self[t.PLACE][shape]
         return body[:3] + matrix(body[3:7]) @ place[:3], matrix(body[3:7]) @ matrix(place[3:7])
 
     def numbers(self, shape):
@@ -126,7 +126,7 @@ def met(scene, origin, direction, limit=np.inf, layers=ALL):
     hits = {}
     direction = np.asarray(direction) / np.linalg.norm(direction)
     for shape, row in enumerate(scene[t.SHAPE]):
-        if row[0] < 0 or row[6] or not row[4] & layers:
+        if row[SHAPE_KIND] < 0 or row[IS_SENSOR] or not row[LAYER] & layers:
             continue
         at, turn = scene.pose(shape)
         ray = tuple(map(float, turn.T @ (origin - at))), tuple(map(float, turn.T @ direction))
@@ -147,7 +147,7 @@ def test_rays_meet_what_they_meet_when_every_shape_is_asked(stepped):
     if stepped:
         scene.step()
         move = scene.rng.random(len(scene[t.POSE])) < 0.3
-        move &= scene[t.BODY][:, 0] == DYNAMIC
+        move &= scene[t.BODY][:, BODY_KIND] == DYNAMIC
         scene[t.POSE][move, :3] += scene.rng.normal(size=(move.sum(), 3))
     origins, directions = scene.rng.uniform(-3, 3, (200, 3)), scene.rng.normal(size=(200, 3))
     directions[::10] = np.sign(directions[::10]) * [0, 0, 1]
@@ -168,7 +168,7 @@ def test_rays_meet_what_they_meet_when_every_shape_is_asked(stepped):
             assert np.isnan(many.point[k]).all()
             continue
         assert hit.shape == every[0].shape == many.shape[k]
-        assert hit.body.index == scene[t.SHAPE][hit.shape, 1] == many.body[k]
+        assert hit.body.index == scene[t.SHAPE][hit.shape, BODY_ROW] == many.body[k]
         assert hit.distance == every[0].distance == many.distance[k]
         unit = direction / np.linalg.norm(direction)
         assert np.abs(hit.point - origin - hit.distance * unit).max() < 1e-12
@@ -247,7 +247,7 @@ def test_shapes_are_found_before_the_first_step_and_after_they_are_gone():
     wall = scene.add(BOX, [0.1, 1, 1], (1, 0, 0), body=0)
     assert scene.ray_cast((3, 0, 0), (-1, 0, 0)).shape == wall
     scene[t.SHAPE][wall] = 0
-    scene[t.SHAPE][wall, 0] = -1
+    scene[t.SHAPE][wall, SHAPE_KIND] = -1
     shapes_changed(scene.tables)
     assert scene.ray_cast((3, 0, 0), (-1, 0, 0)).shape == ball
 
@@ -274,7 +274,7 @@ def touches(scene, kind, numbers, position, turn):
             count = count_contacts(
                 (a[0], b[0]), np.array(a[3]), np.array(b[3], dtype=float), relative, 0.0, np.zeros(64)
             )
-            if count > 0 and not row[6] and shape not in found:
+            if count > 0 and not row[IS_SENSOR] and shape not in found:
                 found.append(shape)
     return found
 
@@ -310,7 +310,7 @@ def test_overlaps_are_those_of_asking_every_shape(stepped):
         box = overlap_box(scene.tables, size, at, 3 * turn)
         assert list(box) == touches(scene, BOX, size / 2, at, turn)
         some = overlap_box(scene.tables, size, at, turn, layers=[1])
-        assert list(some) == [shape for shape in box if scene[t.SHAPE][shape, 4] == 2]
+        assert list(some) == [shape for shape in box if scene[t.SHAPE][shape, LAYER] == 2]
         sizes += [len(ball), len(box)]
     assert min(sizes) == 0
     assert max(sizes) > 4

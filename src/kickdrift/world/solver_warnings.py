@@ -5,12 +5,13 @@ import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
-from kickdrift.world.direct.energy_losses import LONG_TURN
+from kickdrift.world.direct.refinement import LONG_TURN
 from kickdrift.world.settings import (
-    BOUNCING_BODY,
     BOUNCING_TIME,
     FAST_BODY,
     FAST_LOSS,
+    FAST_REFINEMENT,
+    FAST_SINCE,
     FAST_TIME,
     FAST_TURN,
     MISSED_BODY,
@@ -20,7 +21,14 @@ from kickdrift.world.settings import (
     UNSOLVED_BODY,
     UNSOLVED_SINCE,
 )
-from kickdrift.world.step_status import LEFT_BOUNCING, LEFT_UNSOLVED, MISSES_CONTACT, SAID, TURNS_TOO_FAST
+from kickdrift.world.step_status import (
+    BOUNCING_BODY,
+    LEFT_BOUNCING,
+    LEFT_UNSOLVED,
+    MISSES_CONTACT,
+    SAID,
+    TURNS_TOO_FAST,
+)
 from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 
 
@@ -58,7 +66,7 @@ def _bouncing(tables: Tables, bodies: Bodies) -> str:
     """Return the message of LEFT_BOUNCING."""
     row = tables.array(SETTINGS)[0]
     return (
-        f"{bodies.words(int(row[BOUNCING_BODY]))} and what it touches hit each other so often in the substep from"
+        f"{bodies.words(int(tables.array(STEP_STATUS)[0, BOUNCING_BODY]))} and what it touches hit each other so often in the substep from"
         f" t={row[BOUNCING_TIME]:.4g} s that not all of these impacts were resolved. Use a smaller step than {row[STEP]:.3g} s,"
         " or masses that differ less."
     )
@@ -68,7 +76,7 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     """Return the message of TURNS_TOO_FAST."""
     row = tables.array(SETTINGS)[0]
     turn, body = float(row[FAST_TURN]), bodies.words(int(row[FAST_BODY]))
-    times = max(turn / LONG_TURN, 2.0)
+    times = row[FAST_REFINEMENT]
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
     if turn <= LONG_TURN:
         why = (
@@ -77,8 +85,11 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
         )
     part, end = 100 * row[FAST_LOSS], row[FAST_TIME]
     change = f"{'lost' if part > 0.0 else 'gained'} {abs(part):.2g} %"
+    when = f"in the step to t={end:.4g} s"
+    if end - row[FAST_SINCE] > 1.5 * row[STEP]:
+        when = f"from t={row[FAST_SINCE]:.4g} s to {end:.4g} s"
     return (
-        f"{why}: they {change} of the energy of their bodies in the step to t={end:.4g} s. Set world.substeps"
+        f"{why}: they {change} of the energy of their bodies {when}. Set world.substeps"
         f" = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
     )
 

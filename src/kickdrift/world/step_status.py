@@ -20,6 +20,7 @@ SAID = column(STEP_STATUS)  # those of them that were issued
 MIDWAY = column(STEP_STATUS)  # 1 while a step is in progress
 REPEATED = column(STEP_STATUS)  # 1 if it is repeated because the sweeps had left a heap far from solved
 HALVINGS = column(STEP_STATUS)  # how often the step was halved: it is done in 2 to that power parts
+BOUNCING_BODY = column(STEP_STATUS)  # row of a body whose impacts had no end, for the warning
 
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved

@@ -54,7 +54,7 @@ STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step_st
 EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
-JOINT_NUMBERS = Table(18, 88)
+JOINT_NUMBERS = Table(18, 96)
 JOINT_AXES = Table(45, 16)  # six rows a joint
 LANES = Table(20, 1)  # constraints in groups of lanes, whose fields are in `kickdrift.world.contacts.layout`
 GROUPS = Table(21, 24, whole=True)  # contents of these groups: see there
@@ -117,14 +117,14 @@ CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 4, whole=True), Table(77, 16)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)
-CLOTH_PAIR, CLOTH_PAIR_NUMBERS = Table(86, 6, whole=True), Table(87, 14)  # vertex and triangle, or edges
+CLOTH_PAIR, CLOTH_PAIR_NUMBERS = Table(86, 8, whole=True), Table(87, 14)  # vertex and triangle, or edges
 CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
 NORMAL_TREE = Table(95, 8)  # likewise, over their normals
-CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 3, whole=True), Table(103, 2, whole=True)  # nodes
+CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 4, whole=True), Table(103, 2, whole=True)  # nodes
 FACE_BOUNDS, FACE_NORMALS = Table(90, 8), Table(91, 8)
-ZONE, ZONE_NUMBERS = Table(92, 2, whole=True), Table(93, 16)  # of each particle: see `kickdrift.world.cloth.zones`
+ZONE, ZONE_NUMBERS = Table(92, 3, whole=True), Table(93, 16)  # of each particle: see `kickdrift.world.cloth.zones`
 CLOTH_SEARCH = Table(94, 16)  # one row
-INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 6), Table(98, 6), Table(102, 3)
+INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)
 FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 26, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 

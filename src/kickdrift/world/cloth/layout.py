@@ -156,8 +156,9 @@ column(PARTICLE_WIND, 3, "m/s")
 column(PARTICLE_BOUNDS, 6, "m")  # corners of a box that contains it as long as pairs remain valid
 
 # PARTICLE_PATH
-column(PARTICLE_PATH, 3, "m")  # position when pairs were sought
+column(PARTICLE_PATH, 3, "m")  # position when its motion was predicted
 PREDICTED_VELOCITY = column(PARTICLE_PATH, 3, "m/s")  # predicted velocity
+PREDICTED_AT = column(PARTICLE_PATH, 1, "s")  # SEARCH_AGE when it was predicted
 
 # FACE_BOUNDS
 column(FACE_BOUNDS, 6, "m")  # bounds of those of its corners
@@ -171,16 +172,18 @@ column(FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it i
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)
 NEAR_NODES = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
+HAS_STRAYED = column(CLOTH_TREE_NODE)  # 1 if a particle of it has
 
 # TREE_NEIGHBOUR, of a node
 NEAR_NODE = column(TREE_NEIGHBOUR)  # a later node of its level that is near it at rest
 BETWEEN = column(TREE_NEIGHBOUR)  # one that joins both to one piece; the neighbour itself where they share a side
 
 # CLOTH_SEARCH
-SEARCH_VALID = column(CLOTH_SEARCH)  # 0 if pairs must be sought again
-SEARCH_AGE = column(CLOTH_SEARCH, 1, "s")
+SEARCH_STATE = column(CLOTH_SEARCH)
+SEARCH_AGE = column(CLOTH_SEARCH, 1, "s")  # since the last search of all pairs
 SEARCH_HORIZON = column(CLOTH_SEARCH, 1, "s")  # age up to which pairs remain valid
 FRAME_VELOCITY = column(CLOTH_SEARCH, 3, "m/s")
+BOXES_VELOCITY = column(CLOTH_SEARCH, 3, "m/s")  # of the frame of PARTICLE_BOUNDS
 TURN = column(CLOTH_SEARCH)  # progress in the substep, from which the stage resumes
 SHARED_PARTS = column(CLOTH_SEARCH)  # number of parts of the substep
 INTERVAL = column(CLOTH_SEARCH)  # number of parts after which cloth-cloth contact is resolved
@@ -189,8 +192,15 @@ TRAVELLED = column(
 )  # how far particles have moved against each other at most, since pairs were sought
 CROSSINGS = column(CLOTH_SEARCH)  # number of pairs of triangles that cross
 
+INVALID, SOUGHT, VALID = (
+    0.0,
+    1.0,
+    2.0,
+)  # values of SEARCH_STATE: nothing is known; motion is predicted; pairs are known, too
+
 # CLOTH_PAIR
 PAIR_PARTICLES = column(CLOTH_PAIR, 4)  # vertex and corners, or ends of one edge and of the other
+PAIR_FACES = column(CLOTH_PAIR, 2)  # triangles that own them
 PAIR_KIND = column(CLOTH_PAIR)
 
 # CLOTH_PAIR_NUMBERS
@@ -207,6 +217,7 @@ NOT_LAID = -1.0
 # ZONE
 IN_ZONE = column(ZONE)  # parent in the disjoint sets of particles
 IS_TANGLED = column(ZONE)  # 1 if a triangle of it crosses another one
+IS_STRAY = column(ZONE)  # 1 if it has left its predicted path, so that its pairs are sought again
 
 # ZONE_NUMBERS, of the first particle
 ZONE_MASS = column(ZONE_NUMBERS, 1, "kg")

@@ -21,6 +21,7 @@ from kickdrift.world.cloth.layout import (
     FIRST_PARTICLE,
     FORCES,
     INTERVAL,
+    INVALID,
     IS_ASLEEP,
     LAST_PARTICLE,
     LINEAR_DAMPING,
@@ -28,7 +29,7 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_VELOCITY,
     PARTS,
     SEARCH_AGE,
-    SEARCH_VALID,
+    SEARCH_STATE,
     SHARED_PARTS,
     STIRRED,
     TURN,
@@ -38,7 +39,7 @@ from kickdrift.world.cloth.pair_impulses import resolve_pairs
 from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
 from kickdrift.world.cloth.particle_lanes import field_size, fill_lanes
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
-from kickdrift.world.cloth.swept import set_frame, stays, travels
+from kickdrift.world.cloth.swept import find_strays, set_frame, travels
 from kickdrift.world.cloth.wind import add_wind
 from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
@@ -162,7 +163,7 @@ def _meet(world: int, turn: int, h: float, interval: float) -> bool:
             if not find_cloth_pairs(world, h, interval):
                 return False
             stop_crossings(world, interval)
-            if stays(world, interval):
+            if find_strays(world, interval) == 0:
                 break
         _arrive(world, interval)
         floats(world, CLOTH_SEARCH)[0, SEARCH_AGE] += interval
@@ -259,7 +260,7 @@ def _check(world: int, cloth: int) -> None:
 def begin_cloths(t: float, h: float, world: int) -> None:
     """Save the state of cloths for a rollback, and note whether the user has moved them while they slept."""
     search, own, moved = floats(world, CLOTH_SEARCH), integers(world, CLOTH), False
-    search[0, SEARCH_VALID] = search[0, SEARCH_AGE] = search[0, TURN] = 0.0
+    search[0, SEARCH_STATE], search[0, SEARCH_AGE], search[0, TURN] = INVALID, 0.0, 0.0
     set_rows(world, CLOTH_PAIR, 0)
     now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
     for i in range(rows(world, PARTICLE)):

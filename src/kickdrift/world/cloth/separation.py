@@ -2,10 +2,11 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus, plus, times
-from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, PREDICTED_VELOCITY, SEARCH_HORIZON, SKIN
+from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, PREDICTED_VELOCITY, SEARCH_AGE, SEARCH_HORIZON, SKIN
 from kickdrift.world.cloth.proximity import Corners, closing, less_mean
+from kickdrift.world.cloth.swept import predicted
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE, PARTICLE_PATH, floats, integers
+from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE_PATH, floats, integers
 
 Triangle = tuple[Vector, Vector, Vector]
 
@@ -29,20 +30,11 @@ def are_apart(world: int, cloth: int, other: int, f: int, g: int) -> bool:
 @compiled(inline=True)
 def _corners(world: int, f: int) -> tuple[Triangle, Triangle]:
     """Return the corners of a triangle, at present and predicted."""
-    face, particle, path = integers(world, FACE), floats(world, PARTICLE), floats(world, PARTICLE_PATH)
-    h, i, j, k = (
-        floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON],
-        face[f, CORNERS],
-        face[f, CORNERS + 1],
-        face[f, CORNERS + 2],
-    )
-    a, b, c = vector_at(particle, i, 0), vector_at(particle, j, 0), vector_at(particle, k, 0)
-    u, v, w = (
-        vector_at(path, i, PREDICTED_VELOCITY),
-        vector_at(path, j, PREDICTED_VELOCITY),
-        vector_at(path, k, PREDICTED_VELOCITY),
-    )
-    return (a, b, c), (plus(a, times(h, u)), plus(b, times(h, v)), plus(c, times(h, w)))
+    face, search = integers(world, FACE), floats(world, CLOTH_SEARCH)
+    i, j, k = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
+    now, then = search[0, SEARCH_AGE], search[0, SEARCH_HORIZON]
+    at_present = (predicted(world, i, now), predicted(world, j, now), predicted(world, k, now))
+    return at_present, (predicted(world, i, then), predicted(world, j, then), predicted(world, k, then))
 
 
 @compiled(inline=True)
@@ -61,7 +53,8 @@ def _first(way: Vector, p: Vector, q: Vector, r: Vector) -> Vector:
 @compiled(inline=True)
 def nearing(world: int, kind: int, at: Corners) -> float:
     """Bound the decrease of the distance of a pair by the predicted motion of its particles, m."""
-    path, h = floats(world, PARTICLE_PATH), floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON]
+    path, search = floats(world, PARTICLE_PATH), floats(world, CLOTH_SEARCH)
+    h = search[0, SEARCH_HORIZON] - search[0, SEARCH_AGE]
     p, a, b, c = (
         times(h, vector_at(path, at[0], PREDICTED_VELOCITY)),
         times(h, vector_at(path, at[1], PREDICTED_VELOCITY)),

@@ -10,6 +10,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
 from kickdrift.world.cloth.layout import (
+    BOXES_VELOCITY,
     CLOTH_RADIUS,
     CORNERS,
     FACE_AREA,
@@ -17,22 +18,29 @@ from kickdrift.world.cloth.layout import (
     FIRST_NODE,
     FIRST_PARTICLE,
     FRAME_VELOCITY,
+    HAS_STRAYED,
+    IS_STRAY,
     LAST_FACE,
     LAST_NODE,
     LAST_PARTICLE,
     PARTICLE_VELOCITY,
+    PREDICTED_AT,
     PREDICTED_VELOCITY,
     SEARCH_AGE,
     SEARCH_HORIZON,
+    SEARCH_STATE,
     SKIN,
+    TRAVELLED,
+    VALID,
 )
-from kickdrift.world.collision.bvh import fit
+from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP, fit_node
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
     CLOTH_SEARCH,
     CLOTH_TREE,
+    CLOTH_TREE_NODE,
     FACE,
     FACE_BOUNDS,
     FACE_NORMALS,
@@ -43,6 +51,7 @@ from kickdrift.world.tables import (
     PARTICLE_BOUNDS,
     PARTICLE_PATH,
     PARTICLE_SHIFT,
+    ZONE,
     floats,
     integers,
     rows,
@@ -84,61 +93,123 @@ def travels(world: int, part: float) -> float:
 
 
 @compiled
-def stays(world: int, part: float) -> bool:
-    """Whether all particles are within the skin of their predicted positions, now and after the drift of a part, s."""
+def find_strays(world: int, part: float) -> int:
+    """Mark the particles that are off their predicted paths by more than the skin, now or after the drift of a part, s.
+
+    Returns their number: that of all, where predictions are over.
+    """
     search, particle, path = floats(world, CLOTH_SEARCH), floats(world, PARTICLE), floats(world, PARTICLE_PATH)
     own, numbers, shift = integers(world, CLOTH), floats(world, CLOTH_NUMBERS), floats(world, PARTICLE_SHIFT)
-    age = search[0, SEARCH_AGE]
+    zone, age, count = integers(world, ZONE), search[0, SEARCH_AGE], 0
     if age + part > _LATE * search[0, SEARCH_HORIZON]:
-        return False
+        return _all_stray(world)
     for cloth in range(rows(world, CLOTH)):
-        farthest = 0.0
+        farthest = numbers[cloth, SKIN] ** 2
         for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-            now, then = 0.0, 0.0
+            now, then, since = 0.0, 0.0, age - path[i, PREDICTED_AT]
             for k in range(3):
-                off = particle[i, k] - path[i, k] - age * path[i, PREDICTED_VELOCITY + k]
+                off = particle[i, k] - path[i, k] - since * path[i, PREDICTED_VELOCITY + k]
                 strays = (
                     off + part * (particle[i, PARTICLE_VELOCITY + k] - path[i, PREDICTED_VELOCITY + k]) + shift[i, k]
                 )
                 now, then = now + off * off, then + strays * strays
-            farthest = max(farthest, now, then)
-        if not farthest <= numbers[cloth, SKIN] ** 2:
-            return False
-    return True
+            zone[i, IS_STRAY] = int(not (now <= farthest and then <= farthest))  # true for NaN
+            count += zone[i, IS_STRAY]
+    return count
 
 
 @compiled
-def sweep(world: int, part: float, h: float) -> None:
-    """Predict the motion of particles for a time h, s, and update the boxes of particles, triangles and trees.
+def _all_stray(world: int) -> int:
+    """Mark all particles, and return their number."""
+    zone, count = integers(world, ZONE), rows(world, PARTICLE)
+    for i in range(count):
+        zone[i, IS_STRAY] = 1
+    return count
 
-    The predicted velocity is the mean since the last search, including the velocities and shifts of this part, s.
-    """
-    own, numbers, search = integers(world, CLOTH), floats(world, CLOTH_NUMBERS), floats(world, CLOTH_SEARCH)
-    search[0, SEARCH_HORIZON] = h
+
+@compiled
+def start_search(world: int, h: float) -> None:
+    """Begin a search of all pairs, which will be valid for a time h, s."""
+    search, path = floats(world, CLOTH_SEARCH), floats(world, PARTICLE_PATH)
+    age = search[0, SEARCH_AGE]
+    for k in range(3):
+        search[0, BOXES_VELOCITY + k] = search[0, FRAME_VELOCITY + k]
+    search[0, SEARCH_HORIZON], search[0, SEARCH_AGE], search[0, TRAVELLED] = h, 0.0, 0.0
+    for i in range(_all_stray(world)):
+        path[i, PREDICTED_AT] = path[i, PREDICTED_AT] - age if search[0, SEARCH_STATE] == VALID else 0.0
+
+
+@compiled
+def sweep(world: int, part: float) -> None:
+    """Predict the motion of stray particles up to the horizon, and update the boxes of particles, triangles and trees."""
+    own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
     for cloth in range(rows(world, CLOTH)):
         _sweep_particles(world, cloth, part, numbers[cloth, CLOTH_RADIUS] + numbers[cloth, SKIN])
         for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
-            _enclose(world, f)
-            _enclose_normal(world, f, h)
-        first, last = own[cloth, FIRST_NODE], own[cloth, LAST_NODE]
-        fit(floats(world, CLOTH_TREE)[first:last], floats(world, FACE_BOUNDS))
-        fit(floats(world, NORMAL_TREE)[first:last], floats(world, FACE_NORMALS))
+            if has_strayed(world, f):
+                _enclose(world, f)
+                _enclose_normal(world, f)
+        _fit_strays(world, own[cloth, FIRST_NODE], own[cloth, LAST_NODE])
+
+
+@compiled
+def _fit_strays(world: int, first: int, last: int) -> None:
+    """Mark the nodes of a tree that contain stray particles, and set their boxes, bottom up."""
+    mark, boxes, turns = integers(world, CLOTH_TREE_NODE), floats(world, FACE_BOUNDS), floats(world, FACE_NORMALS)
+    tree, normals = floats(world, CLOTH_TREE)[first:last], floats(world, NORMAL_TREE)[first:last]
+    for node in range(last - first - 1, -1, -1):
+        item, strayed = int(tree[node, ITEM]), 0
+        if item >= 0:
+            strayed = int(has_strayed(world, item))
+        else:
+            child, count = node + 1, 2 if item == BRANCH else int(tree[node, SKIP]) - node - 1
+            for _ in range(count):
+                strayed |= mark[first + child, HAS_STRAYED]
+                child = int(tree[child, SKIP])
+        mark[first + node, HAS_STRAYED] = strayed
+        if strayed != 0:
+            fit_node(tree, node, boxes)
+            fit_node(normals, node, turns)
+
+
+@compiled(inline=True)
+def has_strayed(world: int, f: int) -> bool:
+    """Whether a corner of a triangle is stray."""
+    face, zone = integers(world, FACE), integers(world, ZONE)
+    a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
+    strayed: bool = (zone[a, IS_STRAY] | zone[b, IS_STRAY] | zone[c, IS_STRAY]) != 0
+    return strayed
 
 
 @compiled
 def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None:
-    """Predict the motion of the particles of a cloth, and write their boxes, enlarged by `around`, m."""
+    """Predict the motion of the stray particles of a cloth, and write their boxes, enlarged by `around`, m.
+
+    The predicted velocity is the mean since the last prediction, including the velocities and shifts of this part, s.
+    """
     own, particle, bounds = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_BOUNDS)
     path, shift, search = floats(world, PARTICLE_PATH), floats(world, PARTICLE_SHIFT), floats(world, CLOTH_SEARCH)
-    h, age = search[0, SEARCH_HORIZON], search[0, SEARCH_AGE]
+    zone, age = integers(world, ZONE), search[0, SEARCH_AGE]
+    left = search[0, SEARCH_HORIZON] - age
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+        if zone[i, IS_STRAY] == 0:
+            continue
+        since = age - path[i, PREDICTED_AT]
+        path[i, PREDICTED_AT] = age
         for k in range(3):
-            x = particle[i, k]
+            x, drift = particle[i, k], search[0, BOXES_VELOCITY + k]
             way = part * particle[i, PARTICLE_VELOCITY + k] + shift[i, k]
-            v = (way + x - path[i, k]) / (part + age) if age > 0.0 else way / part
+            v = (way + x - path[i, k]) / (part + since) if since > 0.0 else way / part
             path[i, k], path[i, PREDICTED_VELOCITY + k] = x, v
-            way = h * (v - search[0, FRAME_VELOCITY + k])
+            way, x = left * (v - drift), x - age * drift
             bounds[i, k], bounds[i, 3 + k] = x + min(way, 0.0) - around, x + max(way, 0.0) + around
+
+
+@compiled(inline=True)
+def predicted(world: int, i: int, age: float) -> Vector:
+    """Return the predicted position of a particle at an age of the search, s."""
+    path = floats(world, PARTICLE_PATH)
+    return plus(vector_at(path, i, 0), times(age - path[i, PREDICTED_AT], vector_at(path, i, PREDICTED_VELOCITY)))
 
 
 @compiled(inline=True)
@@ -152,17 +223,13 @@ def _enclose(world: int, f: int) -> None:
 
 
 @compiled
-def _enclose_normal(world: int, f: int, h: float) -> None:
-    """Write the unit normal of a triangle, at present and predicted for a time h, and a box around both.
+def _enclose_normal(world: int, f: int) -> None:
+    """Write the unit normal of a triangle, at present and predicted for the horizon, and a box around both.
 
     The normal of a squeezed triangle is undetermined, since it may turn over in its plane.
     """
-    face, particle = integers(world, FACE), floats(world, PARTICLE)
-    a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
-    origin, way = vector_at(particle, a, 0), _way(world, a, h)
-    p, q = minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin)
-    u, v = minus(_way(world, b, h), way), minus(_way(world, c, h), way)
-    now, then = cross(p, q), cross(plus(p, u), plus(q, v))
+    search = floats(world, CLOTH_SEARCH)
+    now, then = _normal(world, f, search[0, SEARCH_AGE]), _normal(world, f, search[0, SEARCH_HORIZON])
     now_size, then_size = math.sqrt(dot(now, now)), math.sqrt(dot(then, then))
     known = min(now_size, then_size) > _SQUEEZED * 2.0 * floats(world, FACE_NUMBERS)[f, FACE_AREA]
     box, turn = floats(world, FACE_NORMALS), floats(world, FACE_TURN)
@@ -174,9 +241,12 @@ def _enclose_normal(world: int, f: int, h: float) -> None:
 
 
 @compiled(inline=True)
-def _way(world: int, i: int, h: float) -> Vector:
-    """Return the predicted displacement of a particle in a time h, m."""
-    return times(h, vector_at(floats(world, PARTICLE_PATH), i, PREDICTED_VELOCITY))
+def _normal(world: int, f: int, age: float) -> Vector:
+    """Return the predicted normal of a triangle at an age of the search, s, times twice its area."""
+    face = integers(world, FACE)
+    origin = predicted(world, face[f, CORNERS], age)
+    p = minus(predicted(world, face[f, CORNERS + 1], age), origin)
+    return cross(p, minus(predicted(world, face[f, CORNERS + 2], age), origin))
 
 
 @compiled

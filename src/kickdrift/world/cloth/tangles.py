@@ -10,14 +10,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
-from kickdrift.world.cloth.layout import (
-    CORNERS,
-    CROSSINGS,
-    IS_TANGLED,
-    PAIR_KIND,
-    PAIR_PARTICLES,
-    PARTICLE_INVERSE_MASS,
-)
+from kickdrift.world.cloth.layout import CORNERS, CROSSINGS, IS_TANGLED, PAIR_FACES, PAIR_KIND, PARTICLE_INVERSE_MASS
 from kickdrift.world.cloth.proximity import barycentric
 from kickdrift.world.columns import vector_at
 from kickdrift.world.step_status import ask_for_room
@@ -36,7 +29,7 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-CROSSING = 2  # kind of a pair of triangles, whose rows take the place of the first two particles
+CROSSING = 2  # kind of a pair of triangles
 _SHARE = (
     0.25  # of the speed at which things are pushed apart, for each edge; impulses in place of shifts throw sheets about
 )
@@ -48,17 +41,24 @@ def note_crossing(world: int, f: int, g: int) -> bool:
     """Add a row for two triangles, if they cross; False if there is no room."""
     if not _cross(world, f, g):
         return True
-    row, face, zone = rows(world, CLOTH_PAIR), integers(world, FACE), integers(world, ZONE)
+    row = rows(world, CLOTH_PAIR)
     if row >= min(room(world, CLOTH_PAIR), room(world, CLOTH_PAIR_NUMBERS)):
         ask_for_room(world, CLOTH_PAIR, 2 * row + 1024)
         return False
     set_rows(world, CLOTH_PAIR, row + 1)
     pair = integers(world, CLOTH_PAIR)
-    pair[row, PAIR_PARTICLES], pair[row, PAIR_PARTICLES + 1], pair[row, PAIR_KIND] = f, g, CROSSING
+    pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1], pair[row, PAIR_KIND] = f, g, CROSSING
+    tangle(world, f, g)
+    return True
+
+
+@compiled
+def tangle(world: int, f: int, g: int) -> None:
+    """Note that the corners of two triangles that cross are tangled."""
+    face, zone = integers(world, FACE), integers(world, ZONE)
     for k in range(3):
         zone[face[f, CORNERS + k], IS_TANGLED] = zone[face[g, CORNERS + k], IS_TANGLED] = 1
     floats(world, CLOTH_SEARCH)[0, CROSSINGS] += 1.0
-    return True
 
 
 @compiled
@@ -114,7 +114,7 @@ def _crossed_at(world: int, f: int, k: int, g: int) -> float:
 def untangle(world: int, row: int, distance: float) -> None:
     """Shift two triangles, as long as they cross, by a distance for each crossing edge, m, to shorten their contour."""
     pair = integers(world, CLOTH_PAIR)
-    f, g = pair[row, PAIR_PARTICLES], pair[row, PAIR_PARTICLES + 1]
+    f, g = pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1]
     for k in range(3):
         for first, second in ((f, g), (g, f)):
             s = _crossed_at(world, first, k, second)

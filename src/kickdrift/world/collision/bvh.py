@@ -101,24 +101,30 @@ def _halve(seeds: Any, first: int, end: int, depth: int) -> int:
 def fit(nodes: Any, boxes: Any) -> None:
     """Set the boxes of a tree, bottom up, from those of its items: rows that begin with six numbers."""
     for node in range(len(nodes) - 1, -1, -1):
-        item = int(nodes[node, ITEM])
-        if item >= 0:
-            for k in range(6):
-                nodes[node, k] = boxes[item, k]
-            continue
-        child = node + 1
-        if item == BRANCH:
-            nodes[node, SKIP] = nodes[int(nodes[child, SKIP]), SKIP]  # of its second child
-        after = int(nodes[node, SKIP])
-        x, y, z, u, v, w = _box(nodes, child)
+        fit_node(nodes, node, boxes)
+
+
+@compiled(inline=True)
+def fit_node(nodes: Any, node: int, boxes: Any) -> None:
+    """Set the box of a node from those of its children, or of its item."""
+    item = int(nodes[node, ITEM])
+    if item >= 0:
+        for k in range(6):
+            nodes[node, k] = boxes[item, k]
+        return
+    child = node + 1
+    if item == BRANCH:
+        nodes[node, SKIP] = nodes[int(nodes[child, SKIP]), SKIP]  # of its second child
+    after = int(nodes[node, SKIP])
+    x, y, z, u, v, w = _box(nodes, child)
+    child = int(nodes[child, SKIP])
+    while child < after:
+        box = _box(nodes, child)
+        x, y, z = min(x, box[0]), min(y, box[1]), min(z, box[2])
+        u, v, w = max(u, box[3]), max(v, box[4]), max(w, box[5])
         child = int(nodes[child, SKIP])
-        while child < after:
-            box = _box(nodes, child)
-            x, y, z = min(x, box[0]), min(y, box[1]), min(z, box[2])
-            u, v, w = max(u, box[3]), max(v, box[4]), max(w, box[5])
-            child = int(nodes[child, SKIP])
-        nodes[node, 0], nodes[node, 1], nodes[node, 2] = x, y, z
-        nodes[node, 3], nodes[node, 4], nodes[node, 5] = u, v, w
+    nodes[node, 0], nodes[node, 1], nodes[node, 2] = x, y, z
+    nodes[node, 3], nodes[node, 4], nodes[node, 5] = u, v, w
 
 
 @compiled

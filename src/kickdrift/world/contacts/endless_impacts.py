@@ -5,8 +5,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import constraint, is_moved
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES
 from kickdrift.world.layout import NEXT_IMPACT
-from kickdrift.world.settings import BOUNCING_BODY, BOUNCING_TIME
-from kickdrift.world.step_status import LEFT_BOUNCING, WARNING
+from kickdrift.world.settings import BOUNCING_TIME
+from kickdrift.world.step_status import BOUNCING_BODY, LEFT_BOUNCING, WARNING
 from kickdrift.world.tables import (
     BOUNCING,
     CONTACT,
@@ -35,7 +35,7 @@ def warn_of_impacts(world: int, body: int, t: float) -> None:
     """Note that impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
     status, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
     if status[0, WARNING] & LEFT_BOUNCING == 0:
-        settings[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
+        status[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
         status[0, WARNING] |= LEFT_BOUNCING
 
 

@@ -13,6 +13,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus, plus, product, times, turned
 from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.direct.energy_drift import drift_of_energy, forget_drift, judged_since
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -24,6 +25,7 @@ from kickdrift.world.direct.layout import (
     GIVEN_UP,
 )
 from kickdrift.world.direct.node_selection import body_of
+from kickdrift.world.direct.refinement import LONG_TURN, refinement
 from kickdrift.world.direct.velocities import energy_of
 from kickdrift.world.joints.kinematics import axis_unit
 from kickdrift.world.joints.layout import (
@@ -46,7 +48,16 @@ from kickdrift.world.joints.layout import (
     UPPER_LIMIT,
 )
 from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
-from kickdrift.world.settings import FAST_BODY, FAST_LOSS, FAST_TIME, FAST_TURN, GRAVITY, SUBSTEPS
+from kickdrift.world.settings import (
+    FAST_BODY,
+    FAST_LOSS,
+    FAST_REFINEMENT,
+    FAST_SINCE,
+    FAST_TIME,
+    FAST_TURN,
+    GRAVITY,
+    SUBSTEPS,
+)
 from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
@@ -70,11 +81,13 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Turn in a substep that is too far, and those from which on islands without and with loops are judged, rad; and the parts of
-# its energy that an island may lose or gain in a step in either case. Chains of six random rods jump by up to 2 %, and are
-# within 1 % after 5 s.
-LONG_TURN, JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.5, 0.1, 0.01
+# Turns in a substep from which single steps of islands without and with loops are judged, rad. MOST is the part of its energy
+# that an island may lose or gain in many steps, or in one with a turn above `LONG_TURN`, and LEAP in any other: chains of six
+# random rods jump by up to 2 %, and are within 1 % after 5 s.
+JUDGED_TURN, JUDGED_TURN_OF_LOOPS = 0.1, 0.01
 MOST, LEAP = 0.01, 0.03
+
+RESTING_TURN = 1e-3  # rad in a step, below which rounding errors may be all that a body has
 
 TINY = 1e-300  # J
 
@@ -90,15 +103,23 @@ def note_losses(t: float, h: float, world: int) -> None:
     if status[0, WARNING] & TURNS_TOO_FAST:
         return
     for island in range(rows(world, ISLAND)):
+        if islands[island, FIRST_JOINT] == islands[island, AFTER_JOINT]:
+            continue
+        if not _is_alone(island, world):
+            forget_drift(island, world)
+            continue
         body, rate = _fastest(island, world)
         far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
         judged = JUDGED_TURN_OF_LOOPS if islands[island, AFTER_JOINT] > islands[island, FIRST_CLOSING] else JUDGED_TURN
-        if not (far or rate * substep > judged) or not _is_alone(island, world):
-            continue
-        loss = _loss(island, h, world)
-        if abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world)):
-            settings[0, FAST_BODY], settings[0, FAST_TIME] = body, t
+        loss, since = drift_of_energy(island, t, h, world), judged_since(island, world)
+        found = abs(loss) > MOST and rate * h > RESTING_TURN
+        if not found and (far or rate * substep > judged):
+            loss, since = _loss(island, h, world), t - h
+            found = abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world))
+        if found:
+            settings[0, FAST_BODY], settings[0, FAST_TIME], settings[0, FAST_SINCE] = body, t, since
             settings[0, FAST_TURN], settings[0, FAST_LOSS] = rate * substep, loss
+            settings[0, FAST_REFINEMENT] = refinement(island, rate * substep, substep, world)
             status[0, WARNING] |= TURNS_TOO_FAST
             return
 
@@ -176,6 +197,7 @@ def _began_as_joints_allow(island: int, rate: float, world: int) -> bool:
 def _work(body: int, h: float, world: int) -> tuple[float, float]:
     """Return bounds of the work of gravity and other forces on a body in the step, J.
 
+    That of gravity is in between the one at the present velocities and the one at those half a kick later.
     Other forces are taken to be constant, as in the last substep, and to act along the displacement of the body, or at its
     velocity before or after the step: the three estimates bracket the work in the substeps.
     """
@@ -184,8 +206,10 @@ def _work(body: int, h: float, world: int) -> tuple[float, float]:
     pose, started = floats(world, POSE), floats(world, STARTED_POSE)
     way = minus(vector_at(pose, body, LINEAR_PART), vector_at(started, body, LINEAR_PART))
     turn = vector_at(floats(world, DELTA_POSE), body, ANGULAR_PART)
-    least = mass * dot(gravity, way)
-    most = least
+    gained = minus(vector_at(after, body, LINEAR_PART), vector_at(before, body, LINEAR_PART))
+    fall = mass * dot(gravity, way)
+    lag = 0.5 * h / floats(world, SETTINGS)[0, SUBSTEPS] * mass * dot(gravity, gained)
+    least, most = fall - max(lag, 0.0), fall - min(lag, 0.0)
     for part in (LINEAR_PART, ANGULAR_PART):
         push = vector_at(force, body, part)
         old, new = h * dot(push, vector_at(before, body, part)), h * dot(push, vector_at(after, body, part))

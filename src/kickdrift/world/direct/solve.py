@@ -16,7 +16,6 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.active_set import AS_ASSUMED, BY_LAWS, aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
-from kickdrift.world.direct.energy_losses import LONG_TURN
 from kickdrift.world.direct.external_energy import driving_speed, energy_given
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution
 from kickdrift.world.direct.layout import (
@@ -32,6 +31,7 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.position_correction import repair
+from kickdrift.world.direct.refinement import LONG_TURN
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART

@@ -70,6 +70,13 @@ SOLVED = column(JOINT_NUMBERS, 6, "N s, N m s")  # the part of JOINT_IMPULSE tha
 PULL = column(JOINT_NUMBERS, 3, "N s")  # linear impulse of the last substeps, a mean
 RATES = column(JOINT_NUMBERS, 2)  # of gears, see `Geared`
 BRAKE = column(JOINT_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.swing_damping`
+# Of the first joint of an island: its energy since it was last acted upon, see `kickdrift.world.direct.energy_drift`
+ENERGY_AT_FIRST = column(JOINT_NUMBERS, 1, "J")  # kinetic and potential
+LAG_AT_FIRST = column(JOINT_NUMBERS, 1, "J")
+ENERGY_LEFT = column(JOINT_NUMBERS, 1, "J")  # with the lag, after the last step
+MOST_KINETIC = column(JOINT_NUMBERS, 1, "J")  # zero: not judged in the last step
+MEAN_LOSS = column(JOINT_NUMBERS, 1, "J")  # of the last steps
+JUDGED_SINCE = column(JOINT_NUMBERS, 1, "s")
 
 # Columns of JOINT_AXES. Zero motors, drives and frictions do nothing; infinite limits are none.
 LOWER_LIMIT = column(JOINT_AXES, 1, "m or rad")

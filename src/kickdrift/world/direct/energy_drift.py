@@ -1,0 +1,154 @@
+"""Energy that an island loses or gains over many steps, too little in each to be noticed.
+
+The energy of an island on which nothing but gravity acts is conserved. A step that is too long lets it drift: its energy is
+compared with that at the beginning, for as long as nothing else acts on it. What has contacts, damping, forces, or motors,
+limits, springs or friction that act begins anew after them, and so does what users place or push between two steps.
+
+The kick comes before the drift: what a substep conserves is the energy half a kick later, E + h/2 sum m g . v; in free flight
+it is E (`kickdrift.world.joints.free_fall`). A loss is what is missing from both.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot
+from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
+from kickdrift.world.direct.node_selection import body_of, mass_of
+from kickdrift.world.direct.velocities import energy_of
+from kickdrift.world.joints.layout import (
+    BODY_A,
+    ENERGY_AT_FIRST,
+    ENERGY_LEFT,
+    JUDGED_SINCE,
+    LAG_AT_FIRST,
+    LAWS,
+    LINEAR_PART,
+    LINK_JOINT,
+    MEAN_LOSS,
+    MOST_KINETIC,
+    TOTAL,
+)
+from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
+from kickdrift.world.settings import GRAVITY, SUBSTEPS
+from kickdrift.world.tables import (
+    BODY,
+    CLOTH,
+    FORCE,
+    INERTIA,
+    ISLAND,
+    ISLAND_JOINT,
+    JOINT,
+    JOINT_NUMBERS,
+    LINK,
+    MOTION,
+    POSE,
+    SETTINGS,
+    STARTED_MOTION,
+    STARTED_POSE,
+    Table,
+    floats,
+    integers,
+    rows,
+)
+
+# Fraction of its energy by which an island may differ from how the last step left it, and be still the same.
+_SAME = 1e-6
+
+# Islands are judged once their speed has been this many times what gravity adds in a step: what hangs at rest is not. What
+# oscillates with the kicks, to second order in that of one of four substeps, is then about 1 % of the energy at most.
+_SLOW = 2.0
+
+# Weight of a step in the mean of losses: where the light end of a chain cracks like a whip, its energy is off by 2 % for a few.
+_WEIGHT = 0.125
+
+
+@compiled(cached=False)
+def drift_of_energy(island: int, t: float, h: float, world: int) -> float:
+    """Return the fraction of its energy that an island without contacts has lost since it was last acted upon.
+
+    Negative for a gain. What it takes to know this is kept with the first of its joints.
+    """
+    numbers, keeper = floats(world, JOINT_NUMBERS), _keeper(island, world)
+    if not _is_conservative(island, world):
+        forget_drift(island, world)
+        return 0.0
+    half = 0.5 * h / floats(world, SETTINGS)[0, SUBSTEPS]
+    kinetic, total, lag = _energies(island, half, STARTED_MOTION, STARTED_POSE, world)
+    began = abs(total + lag - numbers[keeper, ENERGY_LEFT]) > _SAME * max(kinetic, numbers[keeper, MOST_KINETIC])
+    kinetic, total, lag = _energies(island, half, MOTION, POSE, world)
+    if began or numbers[keeper, MOST_KINETIC] == 0.0:
+        numbers[keeper, ENERGY_AT_FIRST], numbers[keeper, LAG_AT_FIRST] = total, lag
+        numbers[keeper, MOST_KINETIC], numbers[keeper, MEAN_LOSS], numbers[keeper, JUDGED_SINCE] = 0.0, 0.0, t
+    numbers[keeper, ENERGY_LEFT] = total + lag
+    numbers[keeper, MOST_KINETIC] = max(numbers[keeper, MOST_KINETIC], kinetic)
+    lost = numbers[keeper, ENERGY_AT_FIRST] - total
+    shifted = lost + numbers[keeper, LAG_AT_FIRST] - lag
+    loss = max(min(lost, shifted), min(max(lost, shifted), 0.0))
+    numbers[keeper, MEAN_LOSS] += _WEIGHT * (loss - numbers[keeper, MEAN_LOSS])
+    gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
+    slow = 0.5 * mass_of(island, world) * (_SLOW * h) ** 2 * dot(gravity, gravity)
+    return numbers[keeper, MEAN_LOSS] / numbers[keeper, MOST_KINETIC] if numbers[keeper, MOST_KINETIC] > slow else 0.0
+
+
+@compiled(cached=False)
+def forget_drift(island: int, world: int) -> None:
+    """Begin anew after this step."""
+    floats(world, JOINT_NUMBERS)[_keeper(island, world), MOST_KINETIC] = 0.0
+
+
+@compiled(cached=False)
+def judged_since(island: int, world: int) -> float:
+    """Return the time from which on the energy of an island has been compared, s."""
+    since: float = floats(world, JOINT_NUMBERS)[_keeper(island, world), JUDGED_SINCE]
+    return since
+
+
+@compiled(cached=False)
+def _keeper(island: int, world: int) -> int:
+    """Return the joint with which an island keeps its energy."""
+    order, links = integers(world, ISLAND_JOINT), integers(world, LINK)
+    joint: int = links[order[integers(world, ISLAND)[island, FIRST_JOINT], 0], LINK_JOINT]
+    return joint
+
+
+@compiled(cached=False)
+def _is_conservative(island: int, world: int) -> bool:
+    """Whether nothing but gravity and joints has acted on an island without contacts in the step."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    inertia, force, joints, bodies = (
+        floats(world, INERTIA),
+        floats(world, FORCE),
+        integers(world, JOINT),
+        integers(world, BODY),
+    )
+    if rows(world, CLOTH) > 0:
+        return False
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = body_of(node, world)
+        push = 0.0
+        for k in range(6):
+            push += abs(force[body, k])
+        if push + inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
+            return False
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        joint = links[order[place, 0], LINK_JOINT]
+        for side in range(2):
+            if bodies[joints[joint, BODY_A + side], BODY_KIND] == KINEMATIC:
+                return False
+        for k in range(6):
+            if joints[joint, LAWS] >> k & 1 and floats(world, JOINT_NUMBERS)[joint, TOTAL + k] != 0.0:
+                return False
+    return True
+
+
+@compiled(cached=False)
+def _energies(island: int, half: float, velocities: Table, poses: Table, world: int) -> tuple[float, float, float]:
+    """Return the kinetic energy of an island, its total energy, and what it lags behind by half a kick, J."""
+    own, gravity = integers(world, ISLAND)[island], vector_at(floats(world, SETTINGS), 0, GRAVITY)
+    speeds, places, kinetic, potential, lag = floats(world, velocities), floats(world, poses), 0.0, 0.0, 0.0
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = body_of(node, world)
+        mass = floats(world, INERTIA)[body, MASS]
+        kinetic += energy_of(body, velocities, poses, world)
+        potential -= mass * dot(gravity, vector_at(places, body, LINEAR_PART))
+        lag += half * mass * dot(gravity, vector_at(speeds, body, LINEAR_PART))
+    return kinetic, kinetic + potential, lag
