@@ -64,11 +64,10 @@ def _missed(tables: Tables, bodies: Bodies) -> str:
 
 def _bouncing(tables: Tables, bodies: Bodies) -> str:
     """Return the message of LEFT_BOUNCING."""
-    row = tables.array(SETTINGS)[0]
+    row, body = tables.array(SETTINGS)[0], int(tables.array(STEP_STATUS)[0, BOUNCING_BODY])
     return (
-        f"{bodies.words(int(tables.array(STEP_STATUS)[0, BOUNCING_BODY]))} and what it touches hit each other so often in the substep from"
-        f" t={row[BOUNCING_TIME]:.4g} s that not all of these impacts were resolved. Use a smaller step than {row[STEP]:.3g} s,"
-        " or masses that differ less."
+        f"{bodies.words(body)} and what it touches hit each other so often in the substep from t={row[BOUNCING_TIME]:.4g} s"
+        f" that not all of these impacts were resolved. Use a smaller step than {row[STEP]:.3g} s, or masses that differ less."
     )
 
 
