@@ -51,6 +51,12 @@ def test_importing_kickdrift_imports_nothing_heavy_and_changes_no_warning_filter
     assert {"matplotlib", "scipy.special", "xarray", "typer", "pydantic", "pandas"}.isdisjoint(modules)
 
 
+def test_a_world_without_cloth_imports_no_matrices():
+    modules = python("import kickdrift as kd, sys; kd.World().add_sphere(radius=1.0); print(*sys.modules)").split()
+    assert "kickdrift.world.cloth.vibration" in modules
+    assert "scipy.sparse" not in modules
+
+
 def test_promised_names_are_there():
     for name in ("solve", "System", "SecondOrder", "Solution", "KickdriftError", "Outcome", "load"):
         assert name in kd.__all__

@@ -604,6 +604,31 @@ def test_members_with_events_run_in_turn_with_the_bits_of_runs_alone(method, spa
         assert is_member_with_events(sol, i, alone, rows=False)
 
 
+@pytest.mark.parametrize("direction", [0, -1])
+def test_two_zeros_within_a_step_are_found_of_members_in_turn(direction, in_lanes):
+    def crest(x, params):
+        return x[0] - 0.999 + 0.0 * params[0]
+
+    crest.rate_bound, crest.direction = 2.0, direction
+    rates = np.linspace(0.5, 4.0, 20)[:, None]
+    options = {
+        "step": 0.15,
+        "method": "velocity-verlet",
+        "events": [crest, lambda x, v: v[0] - x[0]],
+        "save_every": 100,
+    }
+    x, v = np.ones((20, 1)), np.zeros((20, 1))
+    sol = kd.solve_ensemble(spring_alone, (0.0, 15.0), x, v, args=rates, **options)
+    assert in_lanes["alone"] == 2
+    for i in range(20):
+        alone = kd.solve(spring_alone, (0.0, 15.0), x[i], v[i], args=rates[i], **options)
+        assert is_member_with_events(sol, i, alone)
+    assert sum(zeros[0].size for zeros in sol.t_events) > 50
+    crest.terminal = True  # where a member ends, is found by a run of its own
+    sol = kd.solve_ensemble(spring_alone, (0.0, 15.0), x, v, args=rates, **options)
+    assert in_lanes["alone"] == 22
+
+
 def test_times_between_steps_are_kept_in_turn(in_lanes):
     x, v = np.ones((9, 1)), np.zeros((9, 1))
     rates = np.linspace(0.5, 4.0, 9)[:, None]

@@ -24,6 +24,7 @@ from kickdrift.engine.zeros import (
     Zero,
     changes,
     find_changes,
+    hidden,
     joined_by_event,
     search,
     spent_from,
@@ -36,8 +37,6 @@ Floats = NDArray[np.float64]
 _NUMBERS = 1 << 16  # of states that are kept until they are asked
 # fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
 _MOST_ROWS = 1 << 14
-# Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
-_HALVINGS = 8
 
 
 def watch_for(
@@ -265,18 +264,14 @@ class Watch:
         found, bound = steps.part(self._crosses(event, steps)), self.events[event].rate_bound
         if bound is None:
             return found
-        left = steps.part(~changes(steps))
-        for _ in range(_HALVINGS):
-            way = bound * np.abs(left.size) * (left.end - left.begin)
-            left = left.part((abs(left.first) + abs(left.last) <= way) & (left.first != 0.0) & (left.last != 0.0))
-            if not left.t.size:
-                break
-            middle = 0.5 * (left.begin + left.end)
-            *_, value, own = self._ask(event, left, middle)
+
+        def value_at(which: NDArray[np.intp], left: Brackets, share: Floats) -> Floats:
+            *_, values, own = self._ask(event, left, share)
             self._spent.append((left.t, own))
-            halves = left._replace(end=middle, last=value).joined(left._replace(begin=middle, first=value))
-            found, left = found.joined(halves.part(self._crosses(event, halves))), halves.part(~changes(halves))
-        return found
+            return values
+
+        halves, _ = hidden(steps, bound, value_at)
+        return found.joined(halves.part(self._crosses(event, halves)))
 
     def _crosses(self, event: int, parts: Brackets) -> NDArray[np.bool_]:
         """Return where an event changes its sign in its direction."""

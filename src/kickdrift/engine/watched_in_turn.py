@@ -18,7 +18,7 @@ from kickdrift.engine.grid import Grid
 from kickdrift.engine.in_turn import Members, states_wanted
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
-from kickdrift.engine.zeros import Brackets, find_changes, search, tolerance_of
+from kickdrift.engine.zeros import Brackets, find_changes, hidden, search, tolerance_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -71,6 +71,7 @@ class WatchedMembers:
     made : callable
         Returns the method compiled, with a state of its own; no states are processed. And of parts of steps, `between`.
     events : sequence of Event
+        Those with a bound of their rate only if none ends a run.
     numbers : sequence of (M, p) array
         What each event gets as params, of each member.
     grid : Grid
@@ -100,6 +101,7 @@ class WatchedMembers:
         self._ahead = self._good.copy()
         self._latest = np.full(count, np.inf)  # start of the step, times the sign, in which the zero is that ends it
         self._counts = np.zeros((len(events), count), dtype=np.int64)
+        self._spent = np.zeros(count, dtype=np.int64)  # evaluations between the ends of steps
         self._brackets: list[list[tuple[Integers, Brackets]]] = [[] for _ in events]
         rows = count, grid.save_steps.size
         self._xs, self._vs = np.full((*rows, *x.shape[1:]), np.nan), np.full((*rows, *v.shape[1:]), np.nan)
@@ -140,20 +142,43 @@ class WatchedMembers:
         values = self._values(event, np.tile(t, which.size), *flat, which)
         bad = np.asarray(np.isnan(values.reshape(which.size, rows)).any(axis=1))
         self._leave(which[bad])
-        changes = np.empty(values.size, dtype=np.int64)
-        of = changes[: find_changes(values, changes)]
-        of = of[(of % rows != rows - 1) & ~bad[of // rows]]
+        room = np.empty(values.size, dtype=np.int64)
+        inside = np.append(np.arange(values.size - 1) % rows != rows - 1, False) & ~np.repeat(bad, rows)
+
+        def steps_at(of: Any) -> tuple[Integers, Brackets]:
+            row, begin = of % rows, np.zeros(of.size)
+            found = flat[0][of], flat[1][of], begin, begin + 1.0, values[of], values[of + 1]
+            return which[of // rows], Brackets(t[row], t[row + 1] - t[row], *found)
+
+        of = room[: find_changes(values, room)]
+        of = of[inside[of]]
+        if own.rate_bound is not None:
+            near = np.abs(values[:-1]) + np.abs(values[1:]) <= (1.0 + 1e-9) * own.rate_bound * abs(self._grid.step)
+            self._look_closer(event, *steps_at(np.flatnonzero(near & inside[:-1])))
         if own.direction != 0.0:
             of = of[(values[of] < 0.0) == (own.direction > 0.0)]
-        member, row, begin = which[of // rows], of % rows, np.zeros(of.size)
-        found = flat[0][of], flat[1][of], begin, begin + 1.0, values[of], values[of + 1]
-        self._brackets[event].append((member, Brackets(t[row], t[row + 1] - t[row], *found)))
+        member, brackets = steps_at(of)
+        self._brackets[event].append((member, brackets))
         if own.terminal:
             order = np.arange(of.size) - np.searchsorted(member, member) + self._counts[event, member]
             ends = order == own.terminal - 1
-            self._latest[member[ends]] = np.minimum(self._latest[member[ends]], self._sign * t[row[ends]])
+            self._latest[member[ends]] = np.minimum(self._latest[member[ends]], self._sign * brackets.t[ends])
             self._ahead[member[ends]] = False
             self._counts[event] += np.bincount(member, minlength=len(self._good))
+
+    def _look_closer(self, event: int, member: Integers, steps: Brackets) -> None:
+        """Note the parts of steps in which an event passes through zero, and back in the same step."""
+        direction, bound = self._events[event].direction, self._events[event].rate_bound
+        assert bound is not None
+
+        def value_at(which: NDArray[np.intp], left: Brackets, share: Floats) -> Floats:
+            *_, values, spent = self._ask(event, member[which], left, share)
+            np.add.at(self._spent, member[which], spent)
+            return values
+
+        parts, of = hidden(steps, bound, value_at)
+        wanted = np.flatnonzero((direction == 0.0) | ((parts.first < 0.0) == (direction > 0.0)))
+        self._brackets[event].append((member[of[wanted]], parts.part(wanted)))
 
     def _leave(self, which: NDArray[np.intp]) -> None:
         """Give up members, for runs of them alone."""
@@ -165,19 +190,26 @@ class WatchedMembers:
             return np.zeros(0)
         return evaluate_quantity(self._events[event].quantity, self._processing.system, t, x, v, numbers)
 
+    def _ask(
+        self, event: int, member: Integers, at: Brackets, share: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats, Integers]:
+        """Return when parts of steps end, the states and values of an event there, and the force evaluations."""
+        size, once = share * at.size, np.ones(share.size, dtype=np.int64)
+        params = np.ascontiguousarray(self._params[member])
+        x, v, evaluations = self._again.go_on(at.t, size, once, at.x, at.v, params)
+        values = self._values(event, at.t + size, x, v, member)
+        if np.isnan(values).any():
+            raise KickdriftError(f"{self._events[event].name}, returned NaN between two steps")
+        return at.t + size, x, v, values, evaluations
+
     def _search(self, event: int, member: Integers, brackets: Brackets) -> Found:
         """Find the zeros of an event."""
-        evaluations, own = np.zeros(member.size, dtype=np.int64), self._params[member]
+        evaluations = np.zeros(member.size, dtype=np.int64)
 
         def at(which: Any, share: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-            part = brackets.part(which)
-            size, once = share * part.size, np.ones(share.size, dtype=np.int64)
-            x, v, took = self._again.go_on(part.t, size, once, part.x, part.v, np.ascontiguousarray(own[which]))
+            t, x, v, values, took = self._ask(event, member[which], brackets.part(which), share)
             evaluations[which] += took
-            values = self._values(event, part.t + size, x, v, member[which])
-            if np.isnan(values).any():
-                raise KickdriftError(f"{self._events[event].name}, returned NaN between two steps")
-            return part.t + size, x, v, values
+            return t, x, v, values
 
         if not member.size:
             return Found(member, brackets.t, brackets.x, brackets.v, evaluations)
@@ -193,7 +225,7 @@ class WatchedMembers:
             for own in self._brackets
         ]
         zeros: list[Found | None] = [None] * len(self._events)
-        end, evaluations = np.full(count, sign * grid.t1), np.zeros(count, dtype=np.int64)
+        end, evaluations = np.full(count, sign * grid.t1), self._spent.copy()
         stopped = np.isfinite(self._latest)
         for k in [k for k, event in enumerate(self._events) if event.terminal]:
             zeros[k] = found = self._searched(k, *joined[k], self._latest)
@@ -237,7 +269,8 @@ class WatchedMembers:
     def _searched(self, event: int, member: Integers, brackets: Brackets, until: Floats) -> Found:
         """Find the zeros of an event in the steps that begin up to some time, in the order of members."""
         which = np.flatnonzero(self._good[member] & (self._sign * brackets.t <= until[member]))
-        which = which[np.argsort(member[which], kind="stable")]
+        first = self._sign * (brackets.t + brackets.begin * brackets.size)
+        which = which[np.lexsort((first[which], member[which]))]
         return self._search(event, member[which], brackets.part(which))
 
     def _at_wanted(

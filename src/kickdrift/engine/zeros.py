@@ -10,6 +10,8 @@ from kickdrift.core.compilation import compiled
 
 Floats = NDArray[np.float64]
 
+# Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
+_HALVINGS = 8
 _ROUNDS = 100  # iterations of root finding, of which at least one in three halves the interval
 
 
@@ -87,6 +89,43 @@ def changes(parts: Brackets) -> NDArray[np.bool_]:
     """Return the steps in which a function crosses or reaches zero."""
     first, last = parts.first, parts.last
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
+
+
+def hidden(
+    steps: Brackets, bound: float, value_at: Callable[[NDArray[np.intp], Brackets, Floats], Floats]
+) -> tuple[Brackets, NDArray[np.intp]]:
+    """Find the parts of steps with a zero where a function passes through zero and back, by halves.
+
+    Parameters
+    ----------
+    steps : Brackets
+    bound : float
+        Of the rate of the function: where it is farther from zero, nothing is asked.
+    value_at : callable
+        ``value_at(which, parts, shares)`` returns values in parts of these of the `steps`, at fractions of the steps.
+
+    Returns
+    -------
+    parts : Brackets
+    which : array of int
+        The steps of which they are parts.
+    """
+    which = np.flatnonzero(~changes(steps))
+    left, found = steps.part(which), [(steps.part(which[:0]), which[:0])]
+    for _ in range(_HALVINGS):
+        way = bound * np.abs(left.size) * (left.end - left.begin)
+        near = (np.abs(left.first) + np.abs(left.last) <= way) & (left.first != 0.0) & (left.last != 0.0)
+        which, left = which[near], left.part(near)
+        if not which.size:
+            break
+        middle = 0.5 * (left.begin + left.end)
+        value = value_at(which, left, middle)
+        halves = left._replace(end=middle, last=value).joined(left._replace(begin=middle, first=value))
+        which, changed = np.concatenate((which, which)), changes(halves)
+        found.append((halves.part(changed), which[changed]))
+        which, left = which[~changed], halves.part(~changed)
+    parts, indices = zip(*found, strict=True)
+    return Brackets.joined(*parts), np.concatenate(indices)
 
 
 def joined_by_event(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:

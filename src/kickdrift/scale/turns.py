@@ -25,8 +25,10 @@ def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
     """Return x, v and params of all members, if they may run in turn: what is compiled, and knows params, is one for all."""
     if not prepared.system.native or prepared.settings.steering.cuts:
         return None
-    if any(event.rate_bound is not None for event in prepared.events):
-        return None
+    if any(event.rate_bound is not None for event in prepared.events) and any(
+        event.terminal for event in prepared.events
+    ):
+        return None  # what is asked between steps, and counted, depends on where the run ends
     if isinstance(grid, Course):
         if prepared.events:
             return None

@@ -4,7 +4,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array
 
 from kickdrift.world.cloth.curvature import Curvature
 from kickdrift.world.cloth.mesh import NONE, ClothMesh
@@ -77,6 +76,8 @@ def bending_of(mesh: ClothMesh, curvature: Curvature) -> Bending:
 
 def couplings_of(bending: Bending, areas: Floats, count: int) -> Couplings:
     """Sum the forces between pairs of `count` vertices over triangles: the off-diagonal elements of sum A H^T H."""
+    from scipy.sparse import csr_array, diags_array  # takes 0.15 s, which worlds without cloth need not spend
+
     rows = bending.rows * np.sqrt(areas)[:, None, None]
     starts, columns = np.arange(0, rows.size + 1, 6), np.broadcast_to(bending.stencils[:, None, :], rows.shape)
     roots = csr_array((rows.ravel(), columns.ravel(), starts), shape=(3 * len(rows), count))

@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from kickdrift.world.cloth.mesh import NONE, ClothMesh
 from kickdrift.world.collision.bvh import BRANCH, TWIG
@@ -72,6 +70,9 @@ def _mark_pieces(
     mesh: ClothMesh, patches: list[tuple[int, Integers]], levels: Integers, connected: Integers
 ) -> Integers:
     """Write which nodes have connected triangles, level by level, and return `FaceTree.neighbours` of those that have."""
+    from scipy.sparse import csr_array  # takes 0.15 s, which worlds without cloth need not spend
+    from scipy.sparse.csgraph import connected_components
+
     count, neighbours = len(mesh.triangles), [np.empty((0, 2), dtype=np.int64)]
     face, side = np.nonzero(mesh.sides != NONE)
     order = np.argsort(mesh.sides[face, side], kind="stable")

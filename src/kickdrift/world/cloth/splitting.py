@@ -4,8 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.coupling_tables import put_couplings
@@ -90,6 +88,9 @@ def _split(mesh: ClothMesh, cut: Flags, vertices: Integers | None = None) -> Spl
     `cut`, (K, 2), says which folds no longer connect corners at their two ends. Only the vertices at such ends are split, or
     the given ones.
     """
+    from scipy.sparse import coo_array  # takes 0.15 s, which worlds without cloth need not spend
+    from scipy.sparse.csgraph import connected_components
+
     pairs, corners = _corner_pairs(mesh), mesh.triangles.ravel()
     held = pairs[~cut]
     count = len(corners)
