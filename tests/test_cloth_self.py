@@ -70,6 +70,15 @@ def test_a_heap_of_cloth_does_not_cross_itself_and_comes_to_rest():
     assert np.sqrt((strip.velocity**2).sum(axis=1).mean()) < 0.02 * fastest
 
 
+def test_a_heap_of_cloth_sleeps():
+    """Folds in which layers touch do not tremble: contact is resolved as often as the cloth's forces that it holds."""
+    world, strip = heap(True)
+    world.sleeping = True
+    world.advance(STEP, 300)
+    assert not strip.velocity.any()
+    assert crossings(strip) == 0
+
+
 def test_a_heap_that_does_not_collide_with_itself_crosses():
     world, strip = heap(False)
     world.advance(STEP, 120)

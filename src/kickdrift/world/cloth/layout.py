@@ -190,6 +190,7 @@ INTERVAL = column(CLOTH_SEARCH)  # number of parts after which cloth-cloth conta
 TRAVELLED = column(
     CLOTH_SEARCH, 1, "m"
 )  # how far particles have moved against each other at most, since pairs were sought
+FIRST_HELD = column(CLOTH_SEARCH)  # pair, or `NONE_HELD`
 CROSSINGS = column(CLOTH_SEARCH)  # number of pairs of triangles that cross
 
 INVALID, SOUGHT, VALID = (
@@ -202,6 +203,8 @@ INVALID, SOUGHT, VALID = (
 PAIR_PARTICLES = column(CLOTH_PAIR, 4)  # vertex and corners, or ends of one edge and of the other
 PAIR_FACES = column(CLOTH_PAIR, 2)  # triangles that own them
 PAIR_KIND = column(CLOTH_PAIR)
+NEXT_HELD = column(CLOTH_PAIR)  # the next pair that is held during the interval, or `NONE_HELD`
+NONE_HELD = -1
 
 # CLOTH_PAIR_NUMBERS
 PAIR_DISTANCE = column(CLOTH_PAIR_NUMBERS, 1, "m")  # distance to be kept

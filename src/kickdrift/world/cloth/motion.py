@@ -3,9 +3,10 @@
 The first and the last kick of a substep are halves, so that a cloth at rest has no velocity. Forces between particles conserve
 momentum and angular momentum to the last digit; contacts conserve angular momentum to first order.
 
-Cloth-cloth contact is resolved less often: several parts form an interval, in which particles move by no more than the
-thickness, and at its end crossings are stopped on the straight lines from the positions at its start (Bridson, Fedkiw and
-Anderson, Robust treatment of collisions, contact and friction for cloth animation, SIGGRAPH 2002, section 4).
+Cloth-cloth contact is searched for less often: several parts form an interval, in which particles move by no more than the
+thickness. Pairs that touch at its start are held in each part; at its end the others are resolved, and crossings are stopped on
+the straight lines from the positions at its start (Bridson, Fedkiw and Anderson, Robust treatment of collisions, contact and
+friction for cloth animation, SIGGRAPH 2002, section 4).
 """
 
 import math
@@ -35,7 +36,7 @@ from kickdrift.world.cloth.layout import (
     TURN,
 )
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
-from kickdrift.world.cloth.pair_impulses import resolve_pairs
+from kickdrift.world.cloth.pair_impulses import begin_interval, hold_pairs, resolve_pairs
 from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
 from kickdrift.world.cloth.particle_lanes import field_size, fill_lanes
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
@@ -86,6 +87,8 @@ def move_cloths(t: float, h: float, world: int) -> None:
     for at in range(int(search[0, TURN]), _TURNS * (parts + 1)):
         k = at // _TURNS
         if at % _TURNS == 0:
+            if k % each == 0 and k < parts:
+                begin_interval(world)
             _move(world, part, k == 0, k == parts, h - k * part)
         elif k == parts:
             _stop(world, part, each * part)
@@ -132,6 +135,7 @@ def _move(world: int, part: float, begins: bool, ends: bool, left: float) -> Non
     for cloth in range(rows(world, CLOTH)):
         _push(world, cloth, part, begins, ends, left)
     if not ends:
+        hold_pairs(world, part)
         for cloth in range(rows(world, CLOTH)):
             carry_pins(world, cloth, part, left)
         _drift(world, part)

@@ -5,7 +5,10 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.layout import (
+    FIRST_HELD,
     IS_TANGLED,
+    NEXT_HELD,
+    NONE_HELD,
     PAIR_APART,
     PAIR_DISTANCE,
     PAIR_FRICTION,
@@ -38,6 +41,7 @@ from kickdrift.world.tables import (
 )
 
 _ABOVE = 0.99**2  # square of the cosine to the normal above which a vertex counts as above a triangle
+_TOUCHING = 1.1  # of its distance: a pair that is closer at the start of an interval is held during it
 _SOFT = 0.25  # fraction of the violation that is corrected in a part
 
 
@@ -63,6 +67,45 @@ def resolve_pairs(world: int, part: float, push: float) -> None:
             numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
         if numbers[row, PAIR_GIVES] > 0.0:
             _resolve(world, row, part, push)
+
+
+@compiled
+def begin_interval(world: int) -> None:
+    """List the pairs that touch at the start of an interval, and compute their nearest points and normals."""
+    pair, numbers, search = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), floats(world, CLOTH_SEARCH)
+    search[0, FIRST_HELD], last, travelled = NONE_HELD, NONE_HELD, search[0, TRAVELLED]
+    for row in range(rows(world, CLOTH_PAIR)):
+        least, touches = (
+            numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN]),
+            _TOUCHING * numbers[row, PAIR_DISTANCE],
+        )
+        if pair[row, PAIR_KIND] == CROSSING or not least < touches or is_free(world, row):
+            continue
+        _lay(world, row)
+        numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
+        if numbers[row, PAIR_APART] < touches and numbers[row, PAIR_GIVES] > 0.0:
+            pair[row, NEXT_HELD] = NONE_HELD
+            if last == NONE_HELD:
+                search[0, FIRST_HELD] = row
+            else:
+                pair[last, NEXT_HELD] = row
+            last = row
+
+
+@compiled
+def hold_pairs(world: int, part: float) -> None:
+    """Apply impulses that keep pairs that touch from approaching in a part of an interval, s.
+
+    If they were left to the end of the interval, stiff cloth that they hold would swing freely until then, and what brings it
+    back to its place would do work each time: folds would never come to rest.
+    """
+    pair, numbers, particle = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), floats(world, PARTICLE)
+    row = int(floats(world, CLOTH_SEARCH)[0, FIRST_HELD])
+    while row != NONE_HELD:
+        at, weights, n = particles_of(world, row), _weights(numbers, row), vector_at(numbers, row, PAIR_NORMAL)
+        gap = dot(n, mixed(weights, particle, at, 0)) - numbers[row, PAIR_DISTANCE]
+        _stop(world, row, mixed(weights, particle, at, PARTICLE_VELOCITY), -max(gap, 0.0) / part)
+        row = pair[row, NEXT_HELD]
 
 
 @compiled(inline=True)
@@ -121,7 +164,16 @@ def _resolve(world: int, row: int, part: float, push: float) -> None:
     if gap < 0.0:
         out = min(-_SOFT * gap, part * push)
         add(world, PARTICLE_SHIFT, 0, at, weights, times(out / gives, n))
-    approach, wanted = dot(n, v), -max(gap, 0.0) / part
+    _stop(world, row, v, -max(gap, 0.0) / part)
+
+
+@compiled(inline=True)
+def _stop(world: int, row: int, v: Vector, wanted: float) -> None:
+    """Raise the normal component of the relative velocity v of a pair to `wanted`, with friction, m/s."""
+    numbers = floats(world, CLOTH_PAIR_NUMBERS)
+    at, weights, gives = particles_of(world, row), _weights(numbers, row), numbers[row, PAIR_GIVES]
+    n = vector_at(numbers, row, PAIR_NORMAL)
+    approach = dot(n, v)
     if approach >= wanted:
         return
     given = (wanted - approach) / gives
