@@ -11,7 +11,7 @@ from kickdrift.world.joints.axis import Motor
 from kickdrift.world.joints.layout import BRAKE
 from kickdrift.world.rollback import roll_back
 from kickdrift.world.step import run
-from kickdrift.world.step_status import STATUS
+from kickdrift.world.step_status import DO_IN_PARTS, STATUS
 from kickdrift.world.tables import EVENTS, INVERSE_MASS, JOINT_NUMBERS, MOTION, PARTICLE, POSE, PREDICTED, STEP_STATUS
 
 STEP = 1 / 60
@@ -72,9 +72,12 @@ def attempt(world):
         end = len(program.addresses) - len(word.after) + word.after.index(measure_residual) + 1
         cut = (numbers[:end] for numbers in program[:3])
         _, stage = run(*cut, program.begin, end, world.time, STEP, 0, 1, stage, world.tables.address)
-        if status[STATUS] == 0:
+        asked = int(status[STATUS])
+        if asked == 0:
             break
         stage = world._help(STEP, stage)
+        if asked == DO_IN_PARTS:
+            return
     roll_back(world.tables)
 
 

@@ -73,9 +73,9 @@ class AppliesForces:
     def add_force(self, force: Function) -> None:
         """Apply a force function of your own in every substep, compiled into the step.
 
-        The search for contacts calls it once more before the substeps, and a step that is repeated calls it again: its result
-        must depend on its arguments alone. Sleeping bodies (``World(sleeping=True)``) are not woken by it, even when it
-        changes; `apply_force` wakes them.
+        The search for contacts calls it once more before the substeps, and a step that is repeated, or done in parts, calls it
+        again, as often in each attempt and part: its result must depend on its arguments alone. Sleeping bodies
+        (``World(sleeping=True)``) are not woken by it, even when it changes; `apply_force` wakes them.
 
         Parameters
         ----------

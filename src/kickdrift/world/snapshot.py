@@ -23,7 +23,7 @@ _OF_THE_PROCESS = (tables.COLLIDERS, tables.SHAPE_KINDS, tables.KERNEL_ADDRESSES
 # Tables that a step fills anew, with one row per body
 _OF_BODIES = (
     tables.DELTA_POSE, tables.FORCE, tables.NOTED, tables.COLOURED, tables.STARTED_POSE, tables.STARTED_MOTION,
-    tables.STARTED_ROTATION, tables.MEMBER, tables.MEMBERSHIP,
+    tables.STARTED_ROTATION, tables.MEMBER, tables.MEMBERSHIP, tables.SWEPT,
 )  # fmt: skip
 # Tables that a step fills anew, or the search for pairs when it is restarted
 _OF_A_STEP = (
@@ -176,9 +176,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
             "the world is being recorded, and a recording cannot go back in time; end it before restoring."
         )
     world.sleeping = snapshot.sleeping  # which wakes all bodies; the tables below tell which sleep
-    for name, table in TABLES.items():
-        world.tables.put(table, snapshot.tables[name])
-    _begin_anew(world.tables)
+    put_back(world.tables, snapshot.tables)
     world.time, world.n_steps = snapshot.time, snapshot.n_steps
     world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE_NORMAL : settings.PLANE_NORMAL + 3].any())
     world.forces, world.broken = list(snapshot.forces), []
@@ -200,8 +198,10 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     world.tables.version += 1
 
 
-def _begin_anew(of: Tables) -> None:
-    """Resize the tables that a step fills anew, and have the trees and lists of shapes rebuilt."""
+def put_back(of: Tables, copies: Mapping[str, NDArray[Any]]) -> None:
+    """Bring tables back to copies of them; those that a step fills anew are resized, trees and lists of shapes rebuilt."""
+    for name, table in TABLES.items():
+        of.put(table, copies[name])
     for table in _OF_BODIES:
         of.resize(table, of.count(POSE))
     of.resize(STARTED_JOINTS, of.count(JOINT))

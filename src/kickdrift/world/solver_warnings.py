@@ -7,6 +7,7 @@ from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies import Bodies
 from kickdrift.world.direct.refinement import LONG_TURN
 from kickdrift.world.settings import (
+    BOUNCING_TIME,
     FAST_BODY,
     FAST_LOSS,
     FAST_REFINEMENT,
@@ -20,7 +21,14 @@ from kickdrift.world.settings import (
     UNSOLVED_BODY,
     UNSOLVED_SINCE,
 )
-from kickdrift.world.step_status import LEFT_UNSOLVED, MISSES_CONTACT, SAID, TURNS_TOO_FAST
+from kickdrift.world.step_status import (
+    BOUNCING_BODY,
+    LEFT_BOUNCING,
+    LEFT_UNSOLVED,
+    MISSES_CONTACT,
+    SAID,
+    TURNS_TOO_FAST,
+)
 from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 
 
@@ -31,7 +39,7 @@ def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
     compiled code does not return for it again; the world keeps it as well, since restoring a snapshot resets the tables.
     """
     tables.array(STEP_STATUS)[0, SAID] = found | said
-    for bit, sentence in ((LEFT_UNSOLVED, _unsolved), (TURNS_TOO_FAST, _too_fast), (MISSES_CONTACT, _missed)):
+    for bit, sentence in _SENTENCES.items():
         if found & ~said & bit:
             warnings.warn(sentence(tables, bodies), UnsolvedWarning, stacklevel=depth_of_caller())
 
@@ -51,6 +59,15 @@ def _missed(tables: Tables, bodies: Bodies) -> str:
     return (
         f"{bodies.words(int(row[MISSED_BODY]))} was struck so often in the step to t={row[MISSED_TIME]:.4g} s that it may have"
         f" passed through what it met there. Use a smaller step than {row[STEP]:.3g} s."
+    )
+
+
+def _bouncing(tables: Tables, bodies: Bodies) -> str:
+    """Return the message of LEFT_BOUNCING."""
+    row, body = tables.array(SETTINGS)[0], int(tables.array(STEP_STATUS)[0, BOUNCING_BODY])
+    return (
+        f"{bodies.words(body)} and what it touches hit each other so often in the substep from t={row[BOUNCING_TIME]:.4g} s"
+        f" that not all of these impacts were resolved. Use a smaller step than {row[STEP]:.3g} s, or masses that differ less."
     )
 
 
@@ -74,3 +91,6 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
         f"{why}: they {change} of the energy of their bodies {when}. Set world.substeps"
         f" = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
     )
+
+
+_SENTENCES = {LEFT_UNSOLVED: _unsolved, TURNS_TOO_FAST: _too_fast, MISSES_CONTACT: _missed, LEFT_BOUNCING: _bouncing}

@@ -15,6 +15,7 @@ from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
 from kickdrift.world.collision.missed import drop_paths, find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
+from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
 from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour
@@ -99,6 +100,7 @@ def word(uses: Uses) -> Word:
         *when(uses.joints, follow_joints),
         *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
+        *when(uses.bounces or uses.is_fast, follow_paths),
         *when(uses.cloths, calm, *uses.winds, find_cloth_contacts, move_cloths),
     )
     if uses.threads:
@@ -122,7 +124,7 @@ def word(uses: Uses) -> Word:
         colour,
         prepare,
         *when(direct, find_islands),
-        *when(uses.bounces or uses.is_fast, find_bouncing),
+        *when(uses.bounces or uses.is_fast, find_bouncing, begin_paths),
     )
     after = (
         *when(uses.bounces or uses.is_fast, find_missed),
@@ -167,12 +169,20 @@ def addresses(spelt: Word, substeps: int) -> NDArray[np.intp]:
     return np.array([at[stage] for stage in (*before, *substep * substeps, *after)], dtype=np.intp)
 
 
-def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int) -> Program:
-    """Return the program of a word with the times of its stages, for a step in s."""
+def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int, part: int = 0) -> Program:
+    """Return the program of a word with the times of its stages, for a step in s, or for a part of that length of a step.
+
+    Of a part the number is given, and the addresses are those of the whole step, which may have more substeps.
+    """
     before, substep, after = spelt
-    h = step / substeps
+    begin, h = part * step, step / substeps
     lengths = [step] * len(before) + [h] * len(substep) * substeps + [step] * len(after)
     offsets = [0.0] * len(before) + [k * h for k in range(substeps) for _ in substep] + [step] * len(after)
+    at = np.concatenate((at[: len(before) + substeps * len(substep)], at[len(at) - len(after) :]))
     return Program(
-        at, np.array(lengths), np.array(offsets), before.index(prepare), len(at) - len(after) + after.index(store) + 1
+        at,
+        np.array(lengths),
+        np.array(offsets) + begin,
+        before.index(prepare),
+        len(at) - len(after) + after.index(store) + 1,
     )

@@ -1,8 +1,8 @@
 """The status of a stage that cannot proceed: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
 A stage that cannot proceed sets a status and returns. Once the cause is removed it is run again from its beginning, so what it
-has written until then must not change its result. One that sets `BEGIN_AGAIN` has the whole step rolled back and repeated. The
-loop that runs the stages checks the status after each.
+has written until then must not change its result. One that sets `BEGIN_AGAIN` has the whole step rolled back and repeated, one
+that sets `DO_IN_PARTS` has it done in shorter parts. The loop that runs the stages checks the status after each.
 """
 
 from kickdrift.core.compilation import compiled
@@ -19,11 +19,14 @@ WARNING = column(STEP_STATUS)  # set of warnings found; no reason to stop
 SAID = column(STEP_STATUS)  # those of them that were issued
 MIDWAY = column(STEP_STATUS)  # 1 while a step is in progress
 REPEATED = column(STEP_STATUS)  # 1 if it is repeated because the sweeps had left a heap far from solved
+HALVINGS = column(STEP_STATUS)  # how often the step was halved: it is done in 2 to that power parts
+BOUNCING_BODY = column(STEP_STATUS)  # row of a body whose impacts had no end, for the warning
 
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
 TURNS_TOO_FAST = 2  # joints have lost or gained energy, as bodies turn too far in a substep
 MISSES_CONTACT = 4  # a body may have passed what it met in a step, however often that was done again
+LEFT_BOUNCING = 8  # impacts of a substep have not been resolved, or their impulses have not converged
 
 # Values of STATUS
 OK = 0
@@ -33,6 +36,8 @@ NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `fi
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
 BEGIN_AGAIN = 6  # the step has found out what it needed to know at its start: roll it back, and repeat it
+DO_IN_PARTS = 7  # more happens in the step than it can know at its start: roll it back, and do it in parts
+DO_IN_PARTS = 7  # it is too long for what happens in it: roll it back, and halve it
 
 
 _REQUEST = [STATUS, TABLE, ROWS_WANTED, LOST_BODY]

@@ -29,6 +29,7 @@ from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth
 from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step import run
+from kickdrift.world.subdivision import do_parts
 from kickdrift.world.tables import (
     BODY,
     CLOTH,
@@ -76,7 +77,7 @@ class DoesSteps:
         program, recorder = self._ready(step), self.recorder
         status = self.tables.row(STEP_STATUS, 0)
         status[step_status.REACHED], status[step_status.MIDWAY], self._counted = first, 0, (t0, first)
-        done, at, found, chunk = 0, 0, 0, 1
+        done, at, found, chunk, halved = 0, 0, 0, 1, False
         try:
             while done < count:
                 before, until = done, min(count, done + chunk)
@@ -86,19 +87,18 @@ class DoesSteps:
                     until = min(until, done + recorder.steps_to_row)
                 began = time.perf_counter()
                 try:
-                    reached, at = run(*program, t0, step, first + done, first + until, at, self.tables.address)
+                    if halved:
+                        at = self._do_parts(t0, first + done, step)
+                        reached, halved = first + done + 1, False
+                    else:
+                        reached, at = self._run(program, t0, step, first + done, first + until, at)
                     done = reached - first
-                except Exception as error:
-                    self._go_back(step, LOAD)
-                    raise KickdriftError(
-                        f"a force or wind raised {type(error).__name__}: {error} in step {self.n_steps}; "
-                        "all bodies are where they were before it."
-                    ) from error
                 finally:
                     if recorder is not None:
                         reached = int(status[step_status.REACHED])
                         recorder.note(reached - first - before, step, t0 + reached * step, time.perf_counter() - began)
-                if done < until:
+                if status[step_status.STATUS] != step_status.OK:
+                    halved = status[step_status.STATUS] == step_status.DO_IN_PARTS
                     at = self._help(step, at)
                     program = self._ready(step)
                 else:
@@ -113,6 +113,49 @@ class DoesSteps:
         self.time = t0 + (first + count) * step
         self.n_steps += count
         return found
+
+    def _run(self, program: Program, t0: float, step: float, first: int, last: int, at: int) -> tuple[int, int]:
+        """Run steps, and say what a user's function has raised."""
+        try:
+            return run(*program, t0, step, first, last, at, self.tables.address)
+        except Exception as error:
+            self._go_back(step, LOAD)
+            raise KickdriftError(
+                f"a force or wind raised {type(error).__name__}: {error} in step {self.n_steps}; "
+                "all bodies are where they were before it."
+            ) from error
+
+    def _do_parts(self, t0: float, number: int, step: float) -> int:
+        """Do a step in parts; return the set of warnings to be issued."""
+        substeps, found = self.substeps, 0
+
+        def do_part(part: int, parts: int) -> bool:
+            nonlocal found
+            reached, at = number, 0
+            while reached == number:
+                self._set_lengths(step, substeps)
+                self._ready(step)
+                own = -(-substeps // parts)
+                self._set_lengths(step / parts, own)
+                program = compose(self.word, self._addresses, step / parts, own, part)
+                reached, at = self._run(program, t0, step, number, number + 1, at)
+                if reached == number:
+                    halved = self.tables.row(STEP_STATUS, 0)[step_status.STATUS] == step_status.DO_IN_PARTS
+                    at = self._help(step, at)
+                    if halved:
+                        return False
+            found |= at
+            return True
+
+        try:
+            do_parts(do_part, self.tables)
+        finally:
+            self._set_lengths(step, substeps)
+        return found
+
+    def _set_lengths(self, step: float, substeps: int) -> None:
+        """Tell the stages the length of the step, or of a part of it, and its number of substeps."""
+        self.tables.array(SETTINGS)[0, [settings.STEP, settings.SUBSTEPS]] = step, substeps
 
     @property
     def word(self) -> Word:
@@ -185,7 +228,7 @@ class DoesSteps:
             self.tables.altered = True
         elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
-        elif kind == step_status.BEGIN_AGAIN:
+        elif kind in (step_status.BEGIN_AGAIN, step_status.DO_IN_PARTS):
             roll_back(self.tables)
             return 0
         elif kind == step_status.LOST_CLOTH:

@@ -88,6 +88,7 @@ STARTED_MOTION = Table(33, MOTION.width)
 STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
+SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_path`
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search_state`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not

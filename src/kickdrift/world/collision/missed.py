@@ -1,21 +1,33 @@
 """Contacts that were missed: what an impact makes fast within a step may meet what the search before it did not expect.
 
-At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search. Where one of
-them may have met a shape of which the step had no points, the step is done again, and the search knows then how these bodies
-move. What was found once stays found, so that each time more is known. What is missed after the last attempt is said.
+At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search: at its end,
+at ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is done
+again; the search knows then how these bodies move. What was found once stays found, so that each time more is known. Where
+paths have more corners than the search can know of, the step is halved (see `kickdrift.world.subdivision`), until no part
+misses any. What is missed in the shortest parts is said.
 """
 
+import math
+
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, plus, product, turned
-from kickdrift.world.collision.aabb import box_around, box_in_frame, boxes_overlap, fat_bounds, reaches_under
+from kickdrift.core.vectors import length
+from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.predicted_path import POSITION_ERROR, TURN_ERROR, drop_path, note_path, prediction_error
+from kickdrift.world.collision.predicted_path import (
+    POSITION_ERROR,
+    TURN_ERROR,
+    drop_path,
+    note_path,
+    path_error,
+    turn_error,
+)
 from kickdrift.world.collision.search_state import TRIES
-from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.collision.swept_boxes import may_meet, swept_box
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
@@ -36,19 +48,23 @@ from kickdrift.world.layout import (
     IS_SENSOR,
     LAST_TREE_NODE,
     LOWER,
-    ORIENTATION,
-    PLACE_ORIENTATION,
     PLACE_POSITION,
-    PLACED_ORIENTATION,
-    PLACED_POSITION,
-    POSITION,
     RADIUS,
     UPPER,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
-from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
-from kickdrift.world.step_status import BEGIN_AGAIN, MISSES_CONTACT, OK, STATUS, WARNING, ask_for_room
+from kickdrift.world.step_status import (
+    BEGIN_AGAIN,
+    DO_IN_PARTS,
+    HALVINGS,
+    MISSES_CONTACT,
+    OK,
+    STATUS,
+    WARNING,
+    ask_for_room,
+)
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,
@@ -56,9 +72,7 @@ from kickdrift.world.tables import (
     GEOMETRY,
     MOVERS,
     PLACE,
-    PLACED,
     PLANES,
-    POSE,
     PREDICTED,
     SCRATCH,
     SEARCH,
@@ -76,7 +90,8 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_MOST = 8  # times that a step is done again
+_TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
+_HALVINGS = 10  # of a step, at most
 
 
 @compiled
@@ -92,17 +107,27 @@ def find_missed(t: float, h: float, world: int) -> None:
     missed = _find_body(world)
     if missed < 0:
         return
-    if search[0, TRIES] == _MOST:
-        if status[0, WARNING] & MISSES_CONTACT == 0:
-            settings[0, MISSED_BODY], settings[0, MISSED_TIME] = missed, t
-            status[0, WARNING] |= MISSES_CONTACT
-        return
+    if search[0, TRIES] < _TRIES and _note_paths(h, world):
+        search[0, TRIES] += 1
+        if status[0, STATUS] == OK:
+            status[0, STATUS] = BEGIN_AGAIN
+    elif status[0, HALVINGS] < _HALVINGS:
+        drop_paths(t, h, world)
+        if status[0, STATUS] == OK:
+            status[0, STATUS] = DO_IN_PARTS
+    elif status[0, WARNING] & MISSES_CONTACT == 0:
+        settings[0, MISSED_BODY], settings[0, MISSED_TIME] = missed, t
+        status[0, WARNING] |= MISSES_CONTACT
+
+
+@compiled
+def _note_paths(h: float, world: int) -> bool:
+    """Note how bodies have moved that were not where they were expected; return whether any has not moved as before."""
+    predicted, news = floats(world, PREDICTED), False
     for body in range(rows(world, BODY)):
-        if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0 or floats(world, PREDICTED)[body, TURN_ERROR] > 0.0:
-            note_path(h, world, body)
-    search[0, TRIES] += 1
-    if status[0, STATUS] == OK:
-        status[0, STATUS] = BEGIN_AGAIN
+        if predicted[body, POSITION_ERROR] > 0.0 or predicted[body, TURN_ERROR] > 0.0:
+            news = note_path(h, world, body) or news
+    return news
 
 
 @compiled
@@ -119,10 +144,10 @@ def _find_errors(h: float, world: int) -> bool:
     body, predicted, found = integers(world, BODY), floats(world, PREDICTED), False
     margin = floats(world, SETTINGS)[0, MARGIN]
     for row in range(rows(world, BODY)):
-        predicted[row, POSITION_ERROR], predicted[row, TURN_ERROR] = 0.0, 0.0
+        predicted[row, TURN_ERROR] = 0.0
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
-        off, farther = prediction_error(h, world, row)
+        off, farther = path_error(world, row), turn_error(h, world, row)
         # What differs by less may be its rounding, or the bend of its path.
         predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
         predicted[row, TURN_ERROR] = farther
@@ -141,7 +166,7 @@ def _find_body(world: int) -> int:
         # Who has come less deep into another shape than half of its size is pushed out again.
         far = max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
         of_a, of_b = _off(world, a), _off(world, b)
-        if of_a + of_b > far and _may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
+        if of_a + of_b > far and may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
             missed: int = contact[row, BODY_A if of_a > of_b else BODY_B]
             return missed
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
@@ -151,7 +176,7 @@ def _find_body(world: int) -> int:
             margin, 0.5 * place[shape, RADIUS]
         ):
             continue
-        box, known = _swept(world, shape), True
+        box, known = swept_box(world, shape, 0.0), True
         for j in range(3):
             known = known and bounds[shape, LOWER + j] <= box[j] and box[3 + j] <= bounds[shape, UPPER + j]
         if not known and _meets_unknown(world, shape, box):
@@ -166,43 +191,20 @@ def _off(world: int, shape: int) -> float:
     predicted, body = floats(world, PREDICTED), integers(world, SHAPE)[shape, BODY_ROW]
     off: float = predicted[body, POSITION_ERROR]
     if predicted[body, TURN_ERROR] > 0.0:
-        off += predicted[body, TURN_ERROR] * reach(floats(world, PLACE), shape)
+        far = reach(floats(world, PLACE), shape)
+        off += min(predicted[body, TURN_ERROR] * far, far - _inner_radius(world, shape))
     return off
 
 
 @compiled
-def _may_meet(world: int, a: int, part: int, b: int) -> bool:
-    """Whether the boxes that two shapes have swept overlap; the first may be a plane, or a mesh of which one part counts."""
-    box, sort = _swept(world, b), sort_of(world, a)
-    if sort == HALF_SPACE:
-        return reaches_under(world, a, box)
-    if sort == SURFACE:
-        own = triangle_box(flat(world, GEOMETRY), integers(world, SHAPE)[a, BEGIN], part)
-        return boxes_overlap(own, box_in_frame(world, a, box))
-    return boxes_overlap(_swept(world, a), box)
-
-
-@compiled
-def _swept(world: int, shape: int) -> Box:
-    """Return the box around where a shape was at the start of the step and where it is now."""
-    place, placed = floats(world, PLACE), floats(world, PLACED)
-    body = integers(world, SHAPE)[shape, BODY_ROW]
-    box = _moved(
-        extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)),
-        vector_at(placed, shape, PLACED_POSITION),
-    )
-    if integers(world, BODY)[body, BODY_KIND] != DYNAMIC:
-        return box
-    pose = floats(world, POSE)
-    q = quaternion_at(pose, body, ORIENTATION)
-    at = plus(vector_at(pose, body, POSITION), turned(q, vector_at(place, shape, PLACE_POSITION)))
-    own = extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION)))
-    return box_around(box, _moved(own, at))
-
-
-@compiled(inline=True)
-def _moved(box: Box, at: Vector) -> Box:
-    return (at[0] + box[0], at[1] + box[1], at[2] + box[2], at[0] + box[3], at[1] + box[4], at[2] + box[5])
+def _inner_radius(world: int, shape: int) -> float:
+    """Return the radius of a ball about the centre of mass of its body in a shape that is about as wide as high, m; or zero."""
+    if length(vector_at(floats(world, PLACE), shape, PLACE_POSITION)) > 0.0:
+        return 0.0
+    box, inner = extent_of(world, shape, (1.0, 0.0, 0.0, 0.0)), math.inf
+    for k in range(3):
+        inner = min(inner, min(-box[k], box[3 + k]))
+    return max(inner, 0.0)
 
 
 @compiled
@@ -211,7 +213,9 @@ def _meets_unknown(world: int, shape: int, box: Box) -> bool:
     planes, fat = integers(world, PLANES), fat_bounds(world, shape)
     for k in range(rows(world, PLANES)):
         plane = planes[k, 0]
-        if may_touch(world, shape, plane) and reaches_under(world, plane, box) and not reaches_under(world, plane, fat):
+        if not may_touch(world, shape, plane) or reaches_under(world, plane, fat):
+            continue
+        if reaches_under(world, plane, box) and may_meet(world, plane, 0, shape):
             return True
     return _meets_unknown_in(world, STATIC_TREE, shape, box) or _meets_unknown_in(world, TREE, shape, box)
 
@@ -232,8 +236,9 @@ def _meets_unknown_in(world: int, tree: Table, shape: int, box: Box) -> bool:
             ]
             count, _ = gather(nodes, box_in_frame(world, other, box), parts)
             for j in range(count):
-                if not boxes_overlap(triangle_box(flat(world, GEOMETRY), shapes[other, BEGIN], int(parts[j])), known):
+                own = triangle_box(flat(world, GEOMETRY), shapes[other, BEGIN], int(parts[j]))
+                if not boxes_overlap(own, known) and may_meet(world, other, int(parts[j]), shape):
                     return True
-        elif not boxes_overlap(fat, fat_bounds(world, other)) and boxes_overlap(box, _swept(world, other)):
+        elif not boxes_overlap(fat, fat_bounds(world, other)) and may_meet(world, other, 0, shape):
             return True
     return False

@@ -10,17 +10,34 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, dot, exponential, length, minus, plus, product, times
 from kickdrift.world.collision.acceleration import acceleration, angular_acceleration
 from kickdrift.world.columns import column, quaternion_at, vector_at
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.settings import STEP
-from kickdrift.world.tables import DELTA_POSE, MOTION, POSE, PREDICTED, SETTINGS, STARTED_MOTION, STARTED_POSE, floats
+from kickdrift.world.tables import (
+    BODY,
+    DELTA_POSE,
+    MOTION,
+    POSE,
+    PREDICTED,
+    SETTINGS,
+    STARTED_MOTION,
+    STARTED_POSE,
+    SWEPT,
+    floats,
+    integers,
+    rows,
+)
 
 HAS_CHANGE = column(PREDICTED)  # 1.0 while a step is done again in which the velocity has changed
 CHANGE_TIME = column(PREDICTED, 1, "s")  # when that was, since the start of the step
 END_POSE = column(PREDICTED, 7)  # where the attempt before has ended
 END_MOTION = column(PREDICTED, 6, "m/s, rad/s")
-POSITION_ERROR = column(PREDICTED, 1, "m")  # distance from the path at the end of an attempt
+POSITION_ERROR = column(PREDICTED, 1, "m")  # largest distance from the path in an attempt
 TURN_ERROR = column(PREDICTED, 1, "rad")  # by how much more the body has turned than was expected
 STRUCK = column(PREDICTED)  # 1.0 of bodies that a fast contact may strike
 WIDE_BOUNDS = column(PREDICTED)  # 1.0 in the step after: fat bounds hold the path, and are drawn anew
+
+# Columns of SWEPT: the box around the positions of a body at impacts and at the ends of substeps
+LEAST, MOST = column(SWEPT, 3, "m"), column(SWEPT, 3, "m")
 
 
 @compiled
@@ -86,9 +103,10 @@ def way_on_path(world: int, body: int) -> float:
 
 
 @compiled
-def note_path(h: float, world: int, body: int) -> None:
-    """Note how a body has moved in the attempt at a step that is to be done again."""
+def note_path(h: float, world: int, body: int) -> bool:
+    """Note how a body has moved in the attempt at a step that is to be done again; return whether it was another way before."""
     pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
+    news: bool = predicted[body, HAS_CHANGE] == 0.0
     start, before = vector_at(floats(world, STARTED_POSE), body, 0), vector_at(floats(world, STARTED_MOTION), body, 0)
     gained = times(h, acceleration(world, body))
     at, after = vector_at(pose, body, 0), vector_at(motion, body, 0)
@@ -98,41 +116,83 @@ def note_path(h: float, world: int, body: int) -> None:
     change = -dot(apart, faster) / max(dot(faster, faster), 1e-300)
     predicted[body, HAS_CHANGE], predicted[body, CHANGE_TIME] = 1.0, min(max(change, 0.0), h)
     for k in range(7):
+        news = news or predicted[body, END_POSE + k] != pose[body, k]
         predicted[body, END_POSE + k] = pose[body, k]
     for k in range(6):
         predicted[body, END_MOTION + k] = motion[body, k]
+    return news
 
 
 @compiled
-def prediction_error(h: float, world: int, body: int) -> tuple[float, float]:
-    """Return how far a body is from its path, and by how much it has turned farther than on it; what is stopped is on it.
+def begin_paths(t: float, h: float, world: int) -> None:
+    """Begin the boxes around the paths of bodies where they are."""
+    pose, swept, predicted = floats(world, POSE), floats(world, SWEPT), floats(world, PREDICTED)
+    for body in range(rows(world, SWEPT)):
+        predicted[body, POSITION_ERROR] = 0.0
+        for k in range(3):
+            swept[body, LEAST + k], swept[body, MOST + k] = pose[body, k], pose[body, k]
 
-    One that ends where the attempt before has ended has shown what there is to know of it.
-    """
-    started, motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
-    predicted, start = floats(world, PREDICTED), vector_at(started, body, 0)
-    way = minus(vector_at(floats(world, POSE), body, 0), start)
-    turn = length(vector_at(floats(world, DELTA_POSE), body, 3))
-    most = length(vector_at(motion, body, 3)) + h * length(angular_acceleration(world, body))
-    v, gained = vector_at(motion, body, 0), acceleration(world, body)
+
+@compiled
+def follow_paths(t: float, h: float, world: int) -> None:
+    """Note where bodies have come to at the end of a substep."""
+    body = integers(world, BODY)
+    for row in range(rows(world, BODY)):
+        if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0:
+            note_position(world, row)
+
+
+@compiled
+def note_position(world: int, body: int) -> None:
+    """Widen the box around the path of a body by its present position, and note how far that is from where it was expected."""
+    predicted, swept, at = floats(world, PREDICTED), floats(world, SWEPT), vector_at(floats(world, POSE), body, 0)
+    for k in range(3):
+        swept[body, LEAST + k] = min(swept[body, LEAST + k], at[k])
+        swept[body, MOST + k] = max(swept[body, MOST + k], at[k])
+    predicted[body, POSITION_ERROR] = max(predicted[body, POSITION_ERROR], _off_path(world, body, at))
+
+
+@compiled
+def _off_path(world: int, body: int, at: Vector) -> float:
+    """Distance of a position from the path on which a body was expected; what is stopped is on it."""
+    before, after = _corners(world, body)
+    off = _distance(at, vector_at(floats(world, STARTED_POSE), body, 0), before)
     if has_change(world, body):
-        if _ends_as_before(world, body):
-            return 0.0, 0.0
-        change, end = predicted[body, CHANGE_TIME], minus(vector_at(predicted, body, END_POSE), start)
-        corner = plus(times(change, v), times(0.5 * change * change, gained))
-        off = min(_distance(way, (0.0, 0.0, 0.0), corner), _distance(way, corner, end))
-        most = max(most, length(vector_at(predicted, body, END_MOTION + 3)))
-    else:
-        off = _distance(way, (0.0, 0.0, 0.0), plus(times(h, v), times(0.5 * h * h, gained)))
-    return off, max(turn - h * most, 0.0)
+        off = min(off, _distance(at, after, vector_at(floats(world, PREDICTED), body, END_POSE)))
+    return off
 
 
-@compiled(inline=True)
-def _ends_as_before(world: int, body: int) -> bool:
-    pose, predicted, same = floats(world, POSE), floats(world, PREDICTED), True
-    for k in range(7):
-        same = same and pose[body, k] == predicted[body, END_POSE + k]
-    return same
+@compiled
+def _corners(world: int, body: int) -> tuple[Vector, Vector]:
+    """Return where the first part of a path ends, and where the second one begins."""
+    predicted, change = floats(world, PREDICTED), floats(world, SETTINGS)[0, STEP]
+    start, gained = vector_at(floats(world, STARTED_POSE), body, 0), acceleration(world, body)
+    back = 0.0
+    if has_change(world, body):
+        change, back = predicted[body, CHANGE_TIME], predicted[body, CHANGE_TIME] - change
+    way = plus(times(change, vector_at(floats(world, STARTED_MOTION), body, 0)), times(0.5 * change * change, gained))
+    left = plus(times(back, vector_at(predicted, body, END_MOTION)), times(0.5 * back * back, gained))
+    return plus(start, way), plus(vector_at(predicted, body, END_POSE), left)
+
+
+@compiled
+def path_error(world: int, body: int) -> float:
+    """Return how far a body was from its path; if that has a jump, the body was somewhere else meanwhile."""
+    error: float = floats(world, PREDICTED)[body, POSITION_ERROR]
+    if has_change(world, body):
+        before, after = _corners(world, body)
+        error = max(error, length(minus(after, before)))
+    return error
+
+
+@compiled
+def turn_error(h: float, world: int, body: int) -> float:
+    """Return by how much a body has turned farther than was expected, rad."""
+    turn = length(vector_at(floats(world, DELTA_POSE), body, 3))
+    most = length(vector_at(floats(world, STARTED_MOTION), body, 3)) + h * length(angular_acceleration(world, body))
+    if has_change(world, body):
+        most = max(most, length(vector_at(floats(world, PREDICTED), body, END_MOTION + 3)))
+    return max(turn - h * most, 0.0)
 
 
 @compiled(inline=True)

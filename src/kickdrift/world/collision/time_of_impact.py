@@ -88,8 +88,8 @@ def _advance(world: int, row: int, way: float) -> None:
     place = floats(world, PLACE)
     # Nearer than this they touch; what passes at a greater distance is not hit.
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
-    step, pushed = settings[0, STEP], closing_acceleration(world, row)
-    when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
+    step, pushed, closing = settings[0, STEP], closing_acceleration(world, row), 0.0
+    when, gap, before, on_surface = 0.0, 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
@@ -111,12 +111,20 @@ def _advance(world: int, row: int, way: float) -> None:
         until = next_change(world, b, when, next_change(world, a, when, step))
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
-        when = min(when + left, until)
+        before, when = when, min(when + left, until)
+    # They have passed: back to where they still approached.
+    if closing < 0.0 and when > before and contact[row, POINTS] != 0 and gap <= settings[0, MARGIN]:
+        when = before
+        at, turn, _ = _relative(world, row, when)
+        find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
     # What acts on them, other contacts too, may lead to where nothing is met that would be without.
     if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
-    if when > 0.0:
+    if when > 0.0 and contact[row, POINTS] != 0:
         _bring_back(world, row, when)
+        # The plane of a face to which shapes come from behind it would hold them back at once.
+        if _gap_at_start(world, row) < -near - spin * when:
+            contact[row, POINTS] = 0
 
 
 @compiled(inline=True)
@@ -205,6 +213,15 @@ def _bring_back(world: int, row: int, when: float) -> None:
     _put(manifold, row, FOUND_POSE, turned_back(frame_a, minus(at_b, at_a)))
     for k in range(4):
         manifold[row, FOUND_POSE + 3 + k] = turn[k]
+
+
+@compiled
+def _gap_at_start(world: int, row: int) -> float:
+    """Smallest gap of the points of a contact at the start of the step."""
+    manifold = floats(world, MANIFOLD)
+    at, turn = vector_at(manifold, row, FOUND_POSE), quaternion_at(manifold, row, FOUND_POSE + 3)
+    gap, _ = _deepest(world, row, at, turn)
+    return gap
 
 
 @compiled(inline=True)

@@ -25,6 +25,7 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
+from kickdrift.world.collision.predicted_path import note_position
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.free_rotation import mean_turn
@@ -178,6 +179,7 @@ def move_to_impact(h: float, world: int, body: int) -> None:
         pose[body, POSITION + k], motion[body, VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = at[k], v[k], w[k]
         floats(world, DELTA_POSE)[body, ROTATION + k] += way[k]
     kicked[body, IMPACT_TIME], kicked[body, NEXT_IMPACT] = when, -1.0
+    note_position(world, body)
     _turn_to(world, body, q)
 
 

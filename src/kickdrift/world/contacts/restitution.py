@@ -26,6 +26,7 @@ from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
+from kickdrift.world.contacts.endless_impacts import HIT, bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
@@ -49,8 +50,13 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_ROUNDS = 100
-_FAR = 1e10  # m, as a gap, and rad, as a turn in REFERENCE: it has the arms of a contact recomputed
+_ROUNDS = 310
+# Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
+_APART = 300
+_SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave 5e-5 of what there is to do, for a mass ratio of 1000
+_SLOW = 1e-6  # of the fastest impact of a substep: or of its impulses: less is nothing
+_ROUGH = 1e-3  # likewise: what is left of more than that is said, if it comes to a tenth of the slop
+_FAR = 1e10  # m, as a gap
 _MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
@@ -124,28 +130,37 @@ def bounce(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts within the substep."""
     if rows(world, BOUNCING) == 0:
         return
-    for _ in range(_ROUNDS):
-        fastest = _find_round(h, world)
-        if fastest == 0.0:
-            return
+    left, most, body, first, fastest, near = 0.0, 0.0, 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
+    for n in range(_ROUNDS):
+        fastest, together = _find_round(h, world), n >= _APART
+        first = max(first, fastest)
+        if fastest == 0.0 or (together and fastest <= _SLOW * first):
+            break
+        if together:
+            join_touching(world)
         impact = floats(world, IMPACT)
+        a, b = bodies_of(world, 0)
+        body = b if is_moved(world, b) else a
         for hit in range(rows(world, IMPACT)):
-            a, b = _bodies(world, hit)
+            a, b = bodies_of(world, hit)
             move_to_impact(h, world, a)
             move_to_impact(h, world, b)
         for hit in range(rows(world, IMPACT)):
-            meet(world, impact[hit], _NOISE * fastest)
-        find_impulses(world)
+            meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
+        left = find_impulses(world, _MANY_SWEEPS if together else _SWEEPS)  # what this round has left will hit again
         for hit in range(rows(world, IMPACT)):
-            a, b = _bodies(world, hit)
+            a, b = bodies_of(world, hit)
             leave_impact(h, world, a)
             leave_impact(h, world, b)
             own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
-            own[c.REFERENCE * c.WIDTH] = _FAR if was_hit else _MISSED
+            own[c.REFERENCE * c.WIDTH] = HIT if was_hit else _MISSED
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 _hide_from_sweeps(own, k)
+            most = max(most, pushed(impact[hit]))
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
+    if first * h > near and (fastest > max(_ROUGH * first, near / h) or left > _ROUGH * most):
+        warn_of_impacts(world, body, t)
 
 
 @compiled(inline=True)
@@ -156,13 +171,6 @@ def _hide_from_sweeps(own: Any, point: int) -> None:
     The sweeps assume constant velocities, and might also stop the corner of a fast body that only passes by.
     """
     own[(c.P + c.POINT_FIELDS * point + c.GAP) * c.WIDTH] = _FAR
-
-
-@compiled(inline=True)
-def _bodies(world: int, hit: int) -> tuple[int, int]:
-    """Return the rows of the bodies of an impact."""
-    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
-    return contact[row, c.BODY_A], contact[row, c.BODY_B]
 
 
 @compiled(inline=True)
@@ -261,6 +269,6 @@ def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
             hit[TIME], hit[SPEED] = when, speed
         if free:
             _hide_from_sweeps(own, k)
-            own[c.REFERENCE * c.WIDTH] = _FAR
+            own[c.REFERENCE * c.WIDTH] = HIT
     hits: bool = hit[TIME] < math.inf
     return hits

@@ -48,7 +48,6 @@ IMPACT_POINTS = column(IMPACT, 4 * POINT_SIZE)
 TIMES = column(IMPACT, 4, "s")  # when the points hit
 NORMAL = column(IMPACT, 3)
 TANGENT = column(IMPACT, 3)  # the first
-_SWEEPS = 400
 _BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
 _TOLERANCE = 1e-15  # of the largest impulse
 
@@ -201,18 +200,18 @@ def pushed(hit: Any) -> float:
 
 
 @compiled
-def find_impulses(world: int) -> None:
-    """Find and apply the impulses of a round."""
+def find_impulses(world: int, sweeps: int) -> float:
+    """Find and apply the impulses of a round, in so many sweeps at most; return how far they are from converged, N s."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
-    scale = 0.0
-    for _ in range(_SWEEPS):
+    scale, largest = 0.0, 0.0
+    for _ in range(sweeps):
         largest = 0.0
         for hit in range(count):
             largest = max(largest, _sweep_points(world, impact[hit], True, 0.0, False))
             scale = max(scale, pushed(impact[hit]))
         if largest <= _TOLERANCE * scale:
             break
-    rough = False
+    left, rough = largest, False
     for hit in range(count):
         for k in range(4):
             p = IMPACT_POINTS + POINT_SIZE * k
@@ -220,33 +219,36 @@ def find_impulses(world: int) -> None:
         rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
     if rough:
         for _ in range(_BOUNDS):
-            _find_friction(world, scale)
+            largest = _find_friction(world, scale, sweeps)
+        left = max(left, largest)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
-    for _ in range(_SWEEPS):
+    for _ in range(sweeps):
         largest = 0.0
         for hit in range(count):
             largest = max(largest, _sweep_points(world, impact[hit], False, 0.0, True))
         if largest <= _TOLERANCE * scale:
-            return
+            break
+    return max(left, largest)
 
 
 @compiled
-def _find_friction(world: int, scale: float) -> None:
-    """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
-    impact, count = floats(world, IMPACT), rows(world, IMPACT)
+def _find_friction(world: int, scale: float, sweeps: int) -> float:
+    """Find friction within Coulomb's bound, and normal impulses that keep normal velocities at zero; return what is left."""
+    impact, count, largest = floats(world, IMPACT), rows(world, IMPACT), 0.0
     for hit in range(count):
         total = pushed(impact[hit])
         for k in range(4):
             total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
-    for _ in range(_SWEEPS):
+    for _ in range(sweeps):
         largest = 0.0
         for hit in range(count):
             largest = max(largest, _sweep_friction(world, impact[hit]))
             largest = max(largest, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
         if largest <= _TOLERANCE * scale:
-            return
+            break
+    return largest
 
 
 @compiled

@@ -10,6 +10,8 @@ Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (20
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.endless_impacts import warn_of_impacts
+from kickdrift.world.contacts.impact_motion import is_moved
 from kickdrift.world.contacts.restitution import slowest_bounce, strikes
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
@@ -45,6 +47,9 @@ def bounce_islands(t: float, h: float, world: int) -> None:
                 if kinetic_energy(island, MOTION, world) > most:  # no solution: nothing bounces
                     take_back_velocities(island, world)
                     break
+        else:
+            a, b = bodies_of(integers(world, ISLAND_CONTACT)[integers(world, ISLAND)[island, FIRST_CONTACT], 0], world)
+            warn_of_impacts(world, b if is_moved(world, b) else a, t)
 
 
 @compiled(cached=False)

@@ -1,0 +1,42 @@
+"""Steps done in parts: where more happens in a step than its search for contacts can know, it is halved as often as it takes.
+
+A part is a step of its own, with a search at its start. Substeps stay as they are, as long as a part has a whole one; shorter
+parts are one substep each.
+"""
+
+from collections.abc import Callable
+
+from kickdrift.core.errors import KickdriftError
+from kickdrift.world.snapshot import kept, put_back
+from kickdrift.world.step_status import HALVINGS, MIDWAY
+from kickdrift.world.tables import LOAD, STEP_STATUS, Tables
+
+
+def do_parts(do_part: Callable[[int, int], bool], tables: Tables) -> None:
+    """Do a step in parts; if one fails, the world is back where the step began, to the last bit.
+
+    Parameters
+    ----------
+    do_part : callable
+        Does a part, given its number and how many there are of its length; returns False if it must be halved.
+    tables : Tables
+        Of the world, where the step begins.
+    """
+    before, part, parts = kept(tables), 0, 2
+    loads, status = before["LOAD"], tables.row(STEP_STATUS, 0)
+    try:
+        while part < parts:
+            tables.put(LOAD, loads)
+            status[HALVINGS] = parts.bit_length() - 1
+            if do_part(part, parts):
+                part += 1
+            else:
+                part, parts = 2 * part, 2 * parts
+    except BaseException as error:
+        put_back(tables, before)
+        if isinstance(error, KickdriftError):
+            tables.array(LOAD)[:] = 0.0
+        tables.row(STEP_STATUS, 0)[MIDWAY] = 0
+        raise
+    finally:
+        tables.row(STEP_STATUS, 0)[HALVINGS] = 0

@@ -1,0 +1,222 @@
+"""Steps in which more happens than the search at their start can know: they are repeated, done in parts, or it is said."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+from kickdrift.world import stepping
+from kickdrift.world.rollback import roll_back
+from kickdrift.world.tables import LOAD, MOTION, POSE, STEP_STATUS
+
+STEP = 1 / 60
+SMOOTH = {"friction": 0.0, "restitution": 1.0}
+
+
+def walls(world, kind):
+    """Add six smooth, elastic walls around a cube of 2 m: thin boxes, planes, or a mesh with two triangles a side."""
+    if kind == "mesh":
+        corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+        sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        world.add_mesh(corners, [face for a, b, c, d in sides for face in ((a, c, b), (a, d, c))], **SMOOTH)
+        return
+    for normal in (*np.eye(3), *-np.eye(3)):
+        if kind == "planes":
+            world.add_plane(normal=normal, point=-normal, **SMOOTH)
+        else:
+            world.add_box(2.1 - 2.08 * np.abs(normal), position=-1.01 * normal, static=True, **SMOOTH)
+
+
+def gas(seed, kind, ratio, speed, **settings):
+    """Thirty balls in a cube, with masses up to a ratio, and speeds."""
+    rng, world, balls = np.random.default_rng(seed), kd.World(gravity=(0, 0, 0), **settings), []
+    walls(world, kind)
+    while len(balls) < 30:
+        radius, at = rng.uniform(0.03, 0.1), rng.uniform(-0.88, 0.88, 3)
+        if all(np.linalg.norm(at - ball.position) > radius + 0.11 for ball in balls):
+            options = {"velocity": speed / np.sqrt(3) * rng.normal(size=3), "mass": ratio ** rng.uniform()}
+            balls.append(world.add_sphere(radius, position=at, **options, **SMOOTH))
+    return world, balls
+
+
+def wedge(restitution, ratio, speed=10.0, gap=0.1):
+    """A heavy ball that drives a light one into a thin wall."""
+    world = kd.World(gravity=(0, 0, 0))
+    world.add_box((0.02, 4, 4), position=(0.01, 0, 0), static=True, restitution=restitution)
+    light = world.add_sphere(0.05, position=(-0.05 - gap, 0, 0), mass=1.0 / ratio, restitution=restitution)
+    heavy = world.add_sphere(0.05, position=(-0.2 - gap, 0, 0), mass=1.0, restitution=restitution)
+    heavy.velocity = (speed, 0, 0)
+    return world, light, heavy
+
+
+def state(world):
+    return [world.tables.array(table).tobytes() for table in (POSE, MOTION, LOAD)]
+
+
+@pytest.fixture
+def counts(monkeypatch):
+    """Count attempts that are rolled back, and note the parts that are begun."""
+    seen = {"attempts": 0, "parts": []}
+    compose = stepping.compose
+
+    def rolled_back(tables):
+        seen["attempts"] += 1
+        roll_back(tables)
+
+    def composed(spelt, at, step, substeps, part=0):
+        if step < 0.99 * STEP:
+            seen["parts"].append((part, round(STEP / step), substeps))
+        return compose(spelt, at, step, substeps, part)
+
+    monkeypatch.setattr(stepping, "roll_back", rolled_back)
+    monkeypatch.setattr(stepping, "compose", composed)
+    return seen
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed", "ratio", "speed"),
+    [
+        ("boxes", 0, 1000.0, 30.0),
+        ("boxes", 6, 10.0, 40.0),
+        ("mesh", 5, 1000.0, 30.0),
+        ("mesh", 8, 3.0, 51.0),
+        ("planes", 10, 1000.0, 60.0),
+    ],
+)
+def test_no_ball_of_a_hot_gas_leaves_its_box(kind, seed, ratio, speed):
+    world, balls = gas(seed, kind, ratio, speed)
+    before = world.energy().total
+    world.advance(STEP, 60)
+    assert max(np.abs(ball.position).max() for ball in balls) < 1.0
+    assert world.energy().total == pytest.approx(before, rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [10.0, 1000.0])
+@pytest.mark.parametrize("speed", [10.0, 30.0])
+def test_a_light_ball_between_a_heavy_one_and_a_wall_stops_it(ratio, speed):
+    world, light, heavy = wedge(0.0, ratio, speed)
+    world.advance(STEP, 10)
+    assert light.position[0] == pytest.approx(-0.05, abs=1e-5)
+    assert heavy.position[0] == pytest.approx(-0.15, abs=0.02)
+    assert np.abs(heavy.velocity).max() < 0.02 * speed
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_impacts_that_have_no_end_are_said_once(held):
+    world, light, heavy = wedge(0.5 if held else 0.0, 1000.0 if held else 1e8, gap=0.01)
+    light.name, heavy.name = "light one", "heavy one"
+    if held:  # bounces of what hangs on joints are solved with them
+        world.add_ball_joint(None, light, anchor=(-0.06, 0, 5))
+    with pytest.warns(kd.UnsolvedWarning, match="'(light|heavy) one'.*not all of these impacts were resolved") as said:
+        world.advance(STEP, 10)
+    assert len(said) == 1
+
+
+def test_what_is_so_fast_that_it_may_have_passed_is_said_once():
+    world, _ = gas(1, "boxes", 2.0, 1e6)
+    with pytest.warns(kd.UnsolvedWarning, match="may have passed through") as said:
+        world.advance(STEP, 2)
+    assert len(said) == 1
+
+
+def test_a_step_is_halved_until_it_knows_what_it_meets(counts):
+    world, _ = gas(0, "boxes", 1000.0, 60.0)
+    world.advance(STEP, 20)
+    assert {parts for _, parts, _ in counts["parts"]} >= {2, 4}
+    assert all(substeps == max(4 // parts, 1) for _, parts, substeps in counts["parts"])
+    assert (world.substeps, world.n_steps, world.time) == (4, 20, pytest.approx(20 * STEP))
+
+
+def test_forces_are_asked_once_a_substep_and_once_before_in_every_attempt(counts, capfd):
+    def push(t, force):
+        print("asked", t)
+
+    world, _ = gas(0, "boxes", 1000.0, 60.0)
+    start = world.snapshot()
+    world.advance(STEP, 15)
+    world.restore(start)  # with the room in its tables that it will need: a stage without is run again
+    world.add_force(push)
+    again, halved = 0, 0
+    for n in range(15):
+        counts["attempts"], counts["parts"] = 0, []
+        capfd.readouterr()
+        world.step(STEP)
+        times = [float(line.split()[1]) for line in capfd.readouterr().out.splitlines() if line.startswith("asked")]
+        in_parts = sum(1 + substeps for _, _, substeps in counts["parts"])
+        if counts["parts"]:
+            assert (len(times) - in_parts) % 5 == 0
+            assert 5 <= len(times) - in_parts <= 15  # at most three attempts at the whole step
+        else:
+            assert len(times) == 5 * (counts["attempts"] + 1)
+        again, halved = again + counts["attempts"], halved + bool(counts["parts"])
+        assert min(times) == pytest.approx(n * STEP, abs=1e-12)
+        assert max(times) < (n + 1) * STEP
+    assert again > halved > 2
+
+
+def test_loads_act_on_the_whole_of_a_step_that_is_done_in_parts(counts):
+    world, _ = gas(0, "boxes", 1000.0, 60.0)
+    free = world.add_sphere(0.1, position=(50, 0, 0), mass=2.0)
+    for n in range(1, 21):
+        world.apply_force(free, (0, 6.0, 0))
+        world.step(STEP)
+        assert free.velocity[1] == pytest.approx(n * 3.0 * STEP, rel=1e-12)
+    assert counts["parts"]
+    world.step(STEP)
+    assert free.velocity[1] == pytest.approx(20 * 3.0 * STEP, rel=1e-12)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_a_step_in_parts_that_fails_leaves_the_world_where_it_began(counts, error, monkeypatch):
+    world, _ = gas(0, "boxes", 1000.0, 60.0)
+    free = world.add_sphere(0.1, position=(50, 0, 0), mass=2.0)
+    while not counts["parts"]:
+        before = world.snapshot()
+        world.apply_force(free, (0, 6.0, 0))
+        world.step(STEP)
+    after = state(world)
+    world.restore(before)
+    world.apply_force(free, (0, 6.0, 0))
+    began, steps, time, compose = state(world), world.n_steps, world.time, stepping.compose
+
+    def breaking(spelt, at, step, substeps, part=0):
+        if part == 1:
+            raise error
+        return compose(spelt, at, step, substeps, part)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(stepping, "compose", breaking)
+        with pytest.raises(error):
+            world.step(STEP)
+    assert (world.n_steps, world.time) == (steps, time)
+    assert state(world) == began
+    assert not world.tables.array(STEP_STATUS)[0, :4].any()
+    world.step(STEP)
+    assert state(world) == after
+
+
+def test_a_hot_gas_is_the_same_for_any_number_of_threads_and_after_a_restart(counts):
+    ends = []
+    for settings in ({}, {"threads": True}):
+        world, _ = gas(2, "boxes", 100.0, 50.0, **settings)
+        world.advance(STEP, 20)
+        ends.append(state(world))
+    world, _ = gas(2, "boxes", 100.0, 50.0)
+    world.advance(STEP, 10)
+    other = kd.World()
+    other.restore(world.snapshot())
+    other.advance(STEP, 10)
+    assert counts["parts"]
+    assert ends[0] == ends[1] == state(other)
+
+
+def test_worlds_without_fast_bodies_know_nothing_of_parts(counts):
+    world = kd.World()
+    world.add_plane()
+    for k in range(5):
+        world.add_box((1, 1, 1), position=(0, 0, k + 0.6), restitution=0.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.advance(STEP, 60)
+    assert not counts["parts"]
