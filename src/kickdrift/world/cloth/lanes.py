@@ -111,7 +111,7 @@ def kick_lanes(
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         table, fields = (begin_of(context, builder, signature.args[k], values[k]) for k in (0, 2))
-        i, at, more, size, time, keep, fall = values[1], *values[3:]
+        i, (at, more, size, time, keep, fall) = values[1], values[3:]
         zero, one = ir.Constant(VECTOR, None), ir.Constant(VECTOR, [1.0] * WIDTH)
         forces = []
         for k in range(3):
