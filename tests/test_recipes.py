@@ -270,8 +270,9 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
+from kickdrift.world.arguments import direction, vector
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis
-from kickdrift.world.joints.record import Placement, Record, direction, frame_along, point
+from kickdrift.world.joints.record import Placement, Record, frame_along
 
 
 @dataclass(frozen=True)
@@ -283,7 +284,7 @@ class Piston(Record):
 
     def placement(self):
         """Say where the joint is and what its axes do."""
-        anchor = point("anchor", self.anchor)
+        anchor = vector("anchor", self.anchor, 3)
         turn = Axis(False, (-math.pi / 2, math.pi / 2))
         frame = frame_along(direction("axis", self.axis))
         return Placement(anchor, anchor, frame, (LOCKED, LOCKED, FREE), (LOCKED, LOCKED, turn), principal=2)

@@ -36,9 +36,7 @@ NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `fi
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
 BEGIN_AGAIN = 6  # the step has found out what it needed to know at its start: roll it back, and repeat it
-DO_IN_PARTS = 7  # more happens in the step than it can know at its start: roll it back, and do it in parts
 DO_IN_PARTS = 7  # it is too long for what happens in it: roll it back, and halve it
-
 
 _REQUEST = [STATUS, TABLE, ROWS_WANTED, LOST_BODY]
 

@@ -1,4 +1,4 @@
-"""Impacts that have no end: a light body between heavy ones is hit infinitely often in a finite time, unless e is 1."""
+"""Inelastic collapse: a light body between heavy ones is hit infinitely often in a finite time, where e is small."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
