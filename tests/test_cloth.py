@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 import kickdrift as kd
 from kickdrift.world.cloth import bending, membrane
 from kickdrift.world.cloth.curvature import curvature_of
-from kickdrift.world.cloth.layout import FORCES, LANE_FIELDS
+from kickdrift.world.cloth.layout import FORCES, FORCES_APART, LANE_FIELDS
 from kickdrift.world.cloth.mesh import cloth_mesh, flattened, grid
 from kickdrift.world.cloth.particle_lanes import fill_lanes
 
@@ -593,11 +593,11 @@ def forces(world, room, speeds=None):
     )
     now = places.copy()
     for damped in (0.0, 1.0 / part):
-        lanes[FORCES : FORCES + 3] = 0.0
+        lanes[FORCES : FORCES + 3] = lanes[FORCES_APART : FORCES_APART + 3] = 0.0
         places[:] = now - (part * speeds if damped == 0.0 and speeds is not None else 0.0)
         fill_lanes(world.tables.address, 0)
         add(world.tables.address, 0, 1.0, damped)
-    return lanes[FORCES : FORCES + 3].T.copy()
+    return (lanes[FORCES : FORCES + 3] + lanes[FORCES_APART : FORCES_APART + 3]).T
 
 
 @pytest.mark.parametrize("curved", [False, True])

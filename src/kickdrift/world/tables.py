@@ -125,7 +125,7 @@ FACE_BOUNDS, FACE_NORMALS = Table(90, 8), Table(91, 8)
 ZONE, ZONE_NUMBERS = Table(92, 3, whole=True), Table(93, 16)  # of each particle: see `kickdrift.world.cloth.zones`
 CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)
-FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 26, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each
+FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 29, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))

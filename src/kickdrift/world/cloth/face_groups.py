@@ -27,12 +27,15 @@ class FaceGroups(NamedTuple):
         Rows of `rests`.
     in_rows : (G,) array of bool
         Whether the corners of the eight triangles are consecutive.
+    apart : (G, 3) array of bool
+        Whether the rows of a corner overlap, but are not, those of another corner in a group in rows, and come after them.
     """
 
     corners: Integers
     rests: Floats
     of: Integers
     in_rows: NDArray[np.bool_]
+    apart: NDArray[np.bool_]
 
 
 def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
@@ -55,6 +58,10 @@ def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
     numbers.reshape(-1, 5)[len(order) :, 4] = 0.0
     rests, of = np.unique(numbers.transpose(0, 2, 1).reshape(len(members), -1), axis=0, return_inverse=True)
     in_rows = np.arange(len(members)) < len(rows) // WIDTH
-    near = np.argsort(triangles[members[:, 0], 0], kind="stable")  # adjacent groups one after the other
-    corners = triangles[members].transpose(0, 2, 1)
-    return FaceGroups(corners[near], rests.reshape(-1, 5, WIDTH), of.ravel()[near], in_rows[near])
+    firsts = np.repeat(triangles[order[begins], 0], counts)[full][::WIDTH]
+    # Adjacent ranges of consecutive triangles one after the other
+    near = np.argsort(np.append(firsts, triangles[members[len(firsts) :, 0], 0]), kind="stable")
+    corners = triangles[members].transpose(0, 2, 1)[near]
+    beyond = corners[:, :, None, 0] - corners[:, None, :, 0]
+    apart = ((beyond > 0) & (beyond < WIDTH)).any(axis=2) & in_rows[near, None]
+    return FaceGroups(corners, rests.reshape(-1, 5, WIDTH), of.ravel()[near], in_rows[near], apart)

@@ -96,6 +96,50 @@ def rows_to_fields(context: Any, table: Any, i: Any, column: Any, fields: Any, a
 
 
 @intrinsic
+def kick_lanes(
+    context: Any, table: Any, i: Any, fields: Any, at: Any, more: Any, size: Any, time: Any, keep: Any, fall: Any
+) -> Any:
+    """Add to columns 4 to 6 of eight rows of a table of width eight, from row i on, and multiply them by `keep`.
+
+    Added are `fall` and a time times column 3 times the sums of three fields each, from `at` and `more` on, which become
+    zero. Rows whose column 3 is zero remain as they are.
+    """
+    mass, first = 3, 4
+
+    def row_of(numbers: Any, else_: Any) -> Any:
+        return [else_] * first + list(numbers) + [else_] * (WIDTH - first - len(numbers))
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        table, fields = (begin_of(context, builder, signature.args[k], values[k]) for k in (0, 2))
+        i, (at, more, size, time, keep, fall) = values[1], values[3:]
+        zero, one = ir.Constant(VECTOR, None), ir.Constant(VECTOR, [1.0] * WIDTH)
+        forces = []
+        for k in range(3):
+            places = [builder.add(begin, builder.mul(size, WORD(k))) for begin in (at, more)]
+            forces.append((loaded(builder, fields, places[0]) + loaded(builder, fields, places[1])).value)
+            for place in places:
+                builder.store(zero, vector_pointer(builder, fields, place), align=8)
+        kept, fallen = one, zero
+        for k in range(3):
+            lane = ir.IntType(32)(first + k)
+            kept = builder.insert_element(kept, keep, lane)
+            fallen = builder.insert_element(fallen, builder.extract_value(fall, k), lane)
+        begin, lanes = builder.mul(i, WORD(WIDTH)), ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [mass] * WIDTH)
+        for k, force in enumerate(transposed(builder, row_of(forces, zero))):
+            place = vector_pointer(builder, table, plus(builder, begin, WIDTH * k))
+            row = Lanes(builder, builder.load(place, align=8))
+            inverse = Lanes(builder, builder.shuffle_vector(row.value, row.value, lanes))
+            kick = same(builder, time) * inverse * Lanes(builder, force) + Lanes(builder, fallen)
+            kicked = Lanes(builder, kept) * (row + kick)
+            moves = builder.fcmp_ordered(">", inverse.value, zero)
+            builder.store(builder.select(moves, kicked.value, row.value), place, align=8)
+        return context.get_dummy_value()
+
+    word, real = types.int64, types.float64
+    return types.none(table, word, fields, word, word, word, real, real, types.UniTuple(real, 3)), generate
+
+
+@intrinsic
 def drift_row(context: Any, table: Any, i: Any, time: Any) -> Any:
     """Add columns 4 to 6 of a row of eight, times a time, to columns 0 to 2."""
     moved = ir.Constant(VECTOR, [1.0, 1.0, 1.0, *[0.0] * 5])

@@ -87,6 +87,7 @@ SPLIT_FROM = column(PARTICLE_REST)  # vertex of the cloth from which it was spli
 _LANES = Fields()
 PLACES = _LANES.field(3, "m")
 FORCES = _LANES.field(3, "N")
+FORCES_APART = _LANES.field(3, "N")  # the other addends of the forces; see `kickdrift.world.cloth.face_groups`
 CURVES = _LANES.field(3, "1/m")  # force of bending over the stiffness; where a part begins, as it was before
 LANE_FIELDS = _LANES.close()
 
@@ -111,6 +112,9 @@ FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
 GROUP_CORNERS = column(FACE_GROUP, 24)  # particles: the first corners, the second and the third ones
 RESTS = column(FACE_GROUP)  # row of GROUP_REST
 IN_ROWS = column(FACE_GROUP)  # 1 if the corners are consecutive rows
+ADDED_TO = column(
+    FACE_GROUP, 3
+)  # field to which the forces on the first corners are added, on the second and the third ones
 column(GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
 column(GROUP_STRAIN, 24)  # strains along warp and weft, and shear, at the last kick
 

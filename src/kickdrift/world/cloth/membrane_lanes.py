@@ -11,7 +11,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from kickdrift.world.cloth.lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, loaded, plus, same, vector_pointer
-from kickdrift.world.cloth.layout import FORCES, PLACES
+from kickdrift.world.cloth.layout import ADDED_TO, GROUP_CORNERS, PLACES
 from kickdrift.world.contacts.layout import WIDTH
 
 Load = Callable[[int], Lanes]
@@ -57,7 +57,9 @@ def _add_membrane(in_rows: bool) -> Any:
             arrays = [begin_of(context, builder, signature.args[k], values[k]) for k in (0, 2, 4, 6)]
             fields, corners, rest, strain = arrays
             size, begin, of, at = values[1], values[3], values[5], values[7]
-            x = [[_read(builder, fields, size, PLACES + k, corners, begin, c) for k in range(3)] for c in range(3)]
+            x = [
+                [_read(builder, fields, size, WORD(PLACES + k), corners, begin, c) for k in range(3)] for c in range(3)
+            ]
             p, q = ([x[c][k] - x[0][k] for k in range(3)] for c in (1, 2))
             law = [same(builder, value) for value in values[8:]]
             on_b, on_c, strains = _membrane(
@@ -76,21 +78,22 @@ def _add_membrane(in_rows: bool) -> Any:
                 [none - on_c[k] for k in range(3)],
             ]
             for c in range(3):
+                field = builder.load(builder.gep(corners, [plus(builder, begin, ADDED_TO - GROUP_CORNERS + c)]))
                 for k in range(3):
-                    _add(builder, fields, size, FORCES + k, corners, begin, c, pulls[c][k])
+                    _add(builder, fields, size, plus(builder, field, k), corners, begin, c, pulls[c][k])
             return context.get_dummy_value()
 
         return types.none(
             fields, types.int64, group, types.int64, rest, types.int64, strain, types.int64, *law
         ), generate
 
-    def _places(builder: Any, size: Any, field: int, corners: Any, begin: Any, c: int) -> list[Any]:
-        shift = builder.mul(size, WORD(field))
+    def _places(builder: Any, size: Any, field: Any, corners: Any, begin: Any, c: int) -> list[Any]:
+        shift = builder.mul(size, field)
         lanes = 1 if in_rows else WIDTH
         rows = [builder.load(builder.gep(corners, [plus(builder, begin, WIDTH * c + k)])) for k in range(lanes)]
         return [builder.add(shift, row) for row in rows]
 
-    def _read(builder: Any, fields: Any, size: Any, field: int, corners: Any, begin: Any, c: int) -> Lanes:
+    def _read(builder: Any, fields: Any, size: Any, field: Any, corners: Any, begin: Any, c: int) -> Lanes:
         places = _places(builder, size, field, corners, begin, c)
         if in_rows:
             return loaded(builder, fields, places[0])
@@ -99,7 +102,7 @@ def _add_membrane(in_rows: bool) -> Any:
             vector = builder.insert_element(vector, builder.load(builder.gep(fields, [place])), ir.IntType(32)(lane))
         return Lanes(builder, vector)
 
-    def _add(builder: Any, fields: Any, size: Any, field: int, corners: Any, begin: Any, c: int, more: Lanes) -> None:
+    def _add(builder: Any, fields: Any, size: Any, field: Any, corners: Any, begin: Any, c: int, more: Lanes) -> None:
         places = _places(builder, size, field, corners, begin, c)
         if in_rows:
             total = loaded(builder, fields, places[0]) + more

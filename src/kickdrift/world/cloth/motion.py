@@ -20,13 +20,11 @@ from kickdrift.world.cloth.lanes import drift_row
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     FIRST_PARTICLE,
-    FORCES,
     INTERVAL,
     INVALID,
     IS_ASLEEP,
     LAST_PARTICLE,
     LINEAR_DAMPING,
-    PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     PARTS,
     SEARCH_AGE,
@@ -38,7 +36,7 @@ from kickdrift.world.cloth.layout import (
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import begin_interval, hold_pairs, resolve_pairs
 from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
-from kickdrift.world.cloth.particle_lanes import field_size, fill_lanes
+from kickdrift.world.cloth.particle_lanes import fill_lanes, kick_by_forces
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
 from kickdrift.world.cloth.swept import find_strays, set_frame, travels
 from kickdrift.world.cloth.wind import add_wind
@@ -58,7 +56,6 @@ from kickdrift.world.tables import (
     SETTINGS,
     STARTED_PARTICLE,
     Tables,
-    flat,
     floats,
     integers,
     rows,
@@ -223,20 +220,12 @@ def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left:
 
     Bodies are pulled by the particles that are pinned to them, and move with the change for the time `left` in the substep, s.
     """
-    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
-    fields, size = flat(world, PARTICLE_LANES), field_size(world)
     gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
     fall = times(share * part, gravity)
     # At its start bodies have fallen for the whole substep already, and particles pinned to them fall with them.
     pull_bodies(world, cloth, part, times(left if begins else 0.0, gravity), left)
     keep = 1.0 / (1.0 + share * part * floats(world, CLOTH_NUMBERS)[cloth, LINEAR_DAMPING])
-    for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-        inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
-        for k in range(3):
-            if inverse_mass > 0.0:
-                kick = part * inverse_mass * fields[(FORCES + k) * size + i] + fall[k]
-                particle[i, PARTICLE_VELOCITY + k] = keep * (particle[i, PARTICLE_VELOCITY + k] + kick)
-            fields[(FORCES + k) * size + i] = 0.0
+    kick_by_forces(world, cloth, part, keep, fall)
 
 
 @compiled
