@@ -142,10 +142,10 @@ IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven have different pa
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
 CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
-TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
 GROUND_VELOCITY = column(
     CLOTH_CONTACT_NUMBERS, 3, "m/s"
 )  # surface velocity of the shape; relative to its body if MOVES_BODY
+TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # displacement in the drift besides that of its velocity
