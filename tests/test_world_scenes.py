@@ -208,6 +208,16 @@ def test_a_person_is_as_tall_and_as_heavy_as_a_person():
     assert max(ends) == pytest.approx(1.75)
 
 
+def test_a_heap_of_ragdolls_comes_to_rest_without_bodies_in_each_other():
+    world = worlds.ragdolls()
+    overlaps = []
+    for _ in range(300):
+        world.step(STEP)
+        overlaps.append(deepest_overlap(world.tables))
+    assert 0.001 < max(overlaps) < 0.01  # as they fall on each other
+    assert overlaps[-1] < 0.001
+
+
 def test_ragdolls_fall_and_hold_together():
     world = worlds.ragdolls(count=2)
     assert len(world.position) == 2 + 2 * 11
