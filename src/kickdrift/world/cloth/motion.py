@@ -83,6 +83,9 @@ def move_cloths(t: float, h: float, world: int) -> None:
     for at in range(int(search[0, TURN]), _TURNS * (parts + 1)):
         k = at // _TURNS
         if at % _TURNS == 0:
+            if k % each == 0 or k == parts:  # elsewhere the drift has copied the positions
+                for cloth in range(rows(world, CLOTH)):
+                    fill_lanes(world, cloth)
             if k % each == 0 and k < parts:
                 begin_interval(world)
             _move(world, part, k == 0, k == parts, h - k * part)
@@ -188,8 +191,6 @@ def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: f
     share = 0.5 if begins or ends else 1.0
     # That of damping is whole at the end, as nothing is known of changes where the next substep begins.
     damped = 0.0 if begins else 1.0 / part
-    if begins or meets(world):  # otherwise the drift has copied the positions
-        fill_lanes(world, cloth)
     add_membrane(world, cloth, share, damped)
     add_bending(world, cloth, share, damped)
     _kick(world, cloth, part, share, begins, left)
