@@ -196,6 +196,10 @@ def test_every_error_is_a_kickdrift_error_and_says_a_sentence():
     assert str(caught.value).endswith(".")
 
 
+def test_errors_hold_any_cause():
+    assert str(kd.KickdriftError(OSError("No space left."))) == "No space left."
+
+
 numbers = st.one_of(st.floats(), st.integers(-3, 3), st.just(0.1))
 shapes = hnp.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=3)
 

@@ -72,7 +72,7 @@ def test_every_crossing_of_a_pendulum_is_found_at_its_time():
     assert np.abs(sol.x_events[0]).max() < 2e-11  # four spacings of the time
 
 
-@pytest.mark.parametrize(("direction", "first"), [(0, 0), (1, 1), (-1, 0)])
+@pytest.mark.parametrize(("direction", "first"), [(0, 0), (1, 1), (-1, 0), (0.5, 1), (-np.inf, 0)])
 def test_directions_are_those_of_scipy(direction, first):
     crossing = with_attributes(lambda x: x, direction=direction)
     sol = kd.solve(lambda x: -x, (0.0, 20.0), 1.0, 0.0, step=0.1, method="gauss-6", events=crossing, **QUIET)
@@ -238,7 +238,7 @@ def test_events_are_kept_in_files(tmp_path):
         (with_attributes(lambda x: x[0], terminal="yes"), "terminal='yes'"),
         (with_attributes(lambda x: x[0], direction="up"), "direction='up'"),
         (with_attributes(lambda x: x[0], direction=np.nan), "direction=nan"),
-        (with_attributes(lambda x: x[0], direction=7), "direction=7; give 1, -1 or 0"),
+        (with_attributes(lambda x: x[0], direction=1j), "direction=1j; give a number, whose sign"),
         (with_attributes(lambda x: x[0], direction=None), "direction=None"),
         (with_attributes(lambda x: x[0], rate_bound=0.0), "rate_bound=0.0"),
         (with_attributes(lambda x: x[0], rate_bound=np.inf), "rate_bound=inf"),

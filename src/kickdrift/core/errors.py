@@ -20,8 +20,8 @@ class KickdriftError(Exception):
     True
     """
 
-    def __init__(self, message: str = "") -> None:
-        super().__init__(_LONG_NUMBERS.sub(_shortened, message))
+    def __init__(self, message: object = "") -> None:
+        super().__init__(_LONG_NUMBERS.sub(_shortened, str(message)))
 
 
 def _shortened(numbers: re.Match[str]) -> str:

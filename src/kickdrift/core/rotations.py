@@ -38,10 +38,14 @@ def product(p: Floats, q: Floats) -> Floats:
 def turn_to(direction: Floats) -> Floats:
     """Return a quaternion that turns the z axis into a unit vector."""
     x, y, z = direction
-    if z < -0.999999999:
+    if z >= 0.0:
+        w = np.sqrt(0.5 * (1.0 + z))
+        return np.array([w, -0.5 * y / w, 0.5 * x / w, 0.0])
+    across = np.hypot(x, y)
+    if across < np.finfo(np.float64).tiny:  # whose direction is lost to rounding
         return np.array([0.0, 1.0, 0.0, 0.0])
-    w = np.sqrt(0.5 * (1.0 + z))
-    return np.array([w, -0.5 * y / w, 0.5 * x / w, 0.0])
+    sine = np.sqrt(0.5 * (1.0 - z))  # of half the angle; the cosine by 1 + z would cancel
+    return np.array([0.5 * across / sine, -sine * (y / across), sine * (x / across), 0.0])
 
 
 def about(axis: ArrayLike, angle: float) -> Floats:

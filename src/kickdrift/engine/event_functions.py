@@ -18,7 +18,7 @@ class Event(NamedTuple):
     name: str
     quantity: Quantity
     terminal: int  # number of the zero at which the run ends, 0 for none
-    direction: float
+    direction: float  # sign of the rates of the zeros, 0 for any
     rate_bound: float | None
 
 
@@ -49,18 +49,22 @@ def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -
             f"{name}, has terminal={terminal!r}; give True, False, or the number of the zero that ends the run."
         )
     for attribute, value, valid, wanted in (
-        ("direction", direction, _is_real(direction) and direction in (-1, 0, 1), "1, -1 or 0"),
-        ("rate_bound", bound, bound is None or (_is_real(bound) and bound > 0.0), "a positive number"),
+        ("direction", direction, _is_real(direction), "a number, whose sign selects zeros"),
+        ("rate_bound", bound, bound is None or (_is_real(bound) and 0.0 < bound < math.inf), "a positive number"),
     ):
         if not valid:
             raise ArgumentError(f"{name}, has {attribute}={value!r}; give {wanted}.")
     return Event(
-        name, quantity(name, function), int(terminal), float(direction), None if bound is None else float(bound)
+        name,
+        quantity(name, function),
+        int(terminal),
+        float(np.sign(direction)),
+        None if bound is None else float(bound),
     )
 
 
 def _is_real(value: Any) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
+    return isinstance(value, int | float | np.integer | np.floating) and not math.isnan(value)
 
 
 def check_path(events: tuple[Event, ...], system: System) -> None:

@@ -93,11 +93,11 @@ def solve(
         Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
     events : callable or list of callable, optional
         Functions of the state, with arguments named as those of forces, whose zeros are located: ``solution.t_events`` and
-        the states there, as accurate as the method. Attributes select zeros: ``direction`` 1 for increasing functions, -1
-        for decreasing ones; ``terminal``, True or a number, ends the run at the first or that zero; with ``rate_bound``, a
-        bound on the rate of change, two zeros within a step are found, too, if they are more than 1/256 of it apart. A zero
-        at the start does not count. A function that jumps over zero in an impact has a zero there, and so has a gap that
-        closes in one. The states are those after the impact.
+        the states there, as accurate as the method. Attributes select zeros: a positive ``direction`` those of increasing
+        functions, a negative one of decreasing ones; ``terminal``, True or a number, ends the run at the first or that zero;
+        with ``rate_bound``, a bound on the rate of change, two zeros within a step are found, too, if they are more than
+        1/256 of it apart. A zero at the start does not count. A function that jumps over zero in an impact has a zero there,
+        and so has a gap that closes in one. The states are those after the impact.
     impacts : Impacts or callable, optional
         Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
     switches : callable, optional

@@ -28,7 +28,7 @@ class StreamedRows(ABC):
     Attributes
     ----------
     first : int
-        Number of rows in the store.
+        Number of the rows before those in memory; where rows are between states, see `StreamedTimes`, of such states.
     evaluations : int
         Force evaluations of the last row.
     said : str
