@@ -88,8 +88,8 @@ def _advance(world: int, row: int, way: float) -> None:
     place = floats(world, PLACE)
     # Nearer than this they touch; what passes at a greater distance is not hit.
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
-    step, pushed, closing = settings[0, STEP], closing_acceleration(world, row), 0.0
-    when, gap, before, on_surface = 0.0, 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
+    step, pushed = settings[0, STEP], closing_acceleration(world, row)
+    when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
@@ -111,12 +111,7 @@ def _advance(world: int, row: int, way: float) -> None:
         until = next_change(world, b, when, next_change(world, a, when, step))
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
-        before, when = when, min(when + left, until)
-    # They have passed: back to where they still approached.
-    if closing < 0.0 and when > before and contact[row, POINTS] != 0 and gap <= settings[0, MARGIN]:
-        when = before
-        at, turn, _ = _relative(world, row, when)
-        find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
+        when = min(when + left, until)
     # What acts on them, other contacts too, may lead to where nothing is met that would be without.
     if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
