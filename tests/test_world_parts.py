@@ -40,9 +40,9 @@ def gas(seed, kind, ratio, speed, **settings):
     return world, balls
 
 
-def wedge(restitution, ratio, speed=10.0, gap=0.1):
+def wedge(restitution, ratio, speed=10.0, gap=0.1, world=None):
     """A heavy ball that drives a light one into a thin wall."""
-    world = kd.World(gravity=(0, 0, 0))
+    world = world or kd.World(gravity=(0, 0, 0))
     world.add_box((0.02, 4, 4), position=(0.01, 0, 0), static=True, restitution=restitution)
     light = world.add_sphere(0.05, position=(-0.05 - gap, 0, 0), mass=1.0 / ratio, restitution=restitution)
     heavy = world.add_sphere(0.05, position=(-0.2 - gap, 0, 0), mass=1.0, restitution=restitution)
@@ -126,6 +126,18 @@ def test_impacts_that_have_no_end_are_said_once(held):
     assert len(said) == 1
 
 
+def test_of_bodies_joined_to_each_other_one_that_is_hit_without_end_is_named():
+    world = kd.World(gravity=(0, 0, 0))
+    world.add_box((1, 1, 0.1), position=(-0.06, 0, 5.85), static=True)
+    rests = world.add_box((0.2, 0.2, 0.2), position=(-0.06, 0, 6), name="at rest")  # the first contact is its own
+    world, light, heavy = wedge(0.5, 1000.0, gap=0.01, world=world)
+    light.name, heavy.name = "light one", "heavy one"
+    for a, b in ((None, light), (light, rests)):
+        world.add_ball_joint(a, b, anchor=(-0.06, 0, 5))
+    with pytest.warns(kd.UnsolvedWarning, match="'(light|heavy) one', and what it touches"):
+        world.advance(STEP, 10)
+
+
 @pytest.mark.parametrize(("seed", "left"), [(11, 0), (10, 1)])
 def test_impacts_left_in_an_attempt_that_is_done_again_are_not_said(seed, left, counts):
     with warnings.catch_warnings(record=True) as said:
@@ -187,6 +199,38 @@ def test_loads_act_on_the_whole_of_a_step_that_is_done_in_parts(counts):
     assert counts["parts"]
     world.step(STEP)
     assert free.velocity[1] == pytest.approx(20 * 3.0 * STEP, rel=1e-12)
+
+
+@pytest.mark.parametrize(("share", "breaks"), [(1.1, False), (0.9, True)])
+def test_joints_bear_the_mean_over_a_step_that_is_done_in_parts_and_break_under_it(share, breaks, counts):
+    """An impulse in one of the parts is not a larger force than in a whole step."""
+    forces, limit = [], np.inf
+    for world in (kd.World(gravity=(0, 0, 0)), squeezed(7), squeezed(7)):
+        rod = world.add_box((0.1, 0.1, 1.0), position=(0, 50, -0.5), mass=1.0)
+        hinge = world.add_hinge(None, rod, anchor=(0, 50, 0), axis=(0, 1, 0), breaking_force=limit)
+        world.add_sphere(0.1, mass=1.0, position=(0.2, 50, -0.05), velocity=(-20, 0, 0))
+        world.step(STEP)
+        if limit == np.inf:
+            forces.append(hinge.force[0])
+        if counts["parts"]:
+            limit = share * abs(forces[0])
+    assert abs(forces[0]) > 1000.0
+    assert forces[1] == pytest.approx(forces[0], rel=1e-6)
+    assert (world.broken == [hinge]) == breaks
+
+
+def test_a_rotor_too_fast_is_told_the_same_substeps_in_a_step_that_is_done_in_parts(counts):
+    said = []
+    for world in (kd.World(gravity=(0, 0, 0)), squeezed(7)):
+        world.substeps = 1
+        rotor = world.add_box((0.4, 0.2, 0.1), position=(0.5, 50, 0), mass=2.0, velocity=(0, 300, 0), name="rotor")
+        rotor.angular_velocity = (0, 0, 600)
+        world.add_hinge(None, rotor, anchor=(0, 50, 0), axis=(0, 0, 1))
+        with pytest.warns(kd.UnsolvedWarning, match="'rotor', turns by 10 rad in a substep") as warned:
+            world.step(STEP)
+        said.append([str(warning.message).split("Set ")[1] for warning in warned if "rotor" in str(warning.message)])
+    assert counts["parts"]
+    assert said[0] == said[1] == ["world.substeps = 20, or use a step of 0.00083 s."]
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])

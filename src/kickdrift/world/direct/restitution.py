@@ -35,8 +35,10 @@ NO_MORE = 1.001
 def bounce_islands(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts in islands within the substep."""
     for island in range(rows(world, ISLAND)):
+        hit = -1
         for _ in range(_ROUNDS):
-            if not _find_hits(island, h, world):
+            hit = _find_hits(island, h, world)
+            if hit < 0:
                 break
             note_velocities(island, world)
             most = NO_MORE * energy_after_impact(island, kinetic_energy(island, MOTION, world), world)
@@ -48,15 +50,17 @@ def bounce_islands(t: float, h: float, world: int) -> None:
                     take_back_velocities(island, world)
                     break
         else:
-            a, b = bodies_of(integers(world, ISLAND_CONTACT)[integers(world, ISLAND)[island, FIRST_CONTACT], 0], world)
+            hit = _find_hits(island, h, world)
+        if hit >= 0:
+            a, b = bodies_of(hit, world)
             warn_of_impacts(world, b if is_moved(world, b) else a, t)
 
 
 @compiled(cached=False)
-def _find_hits(island: int, h: float, world: int) -> bool:
-    """Find the points of an island that hit, and their speeds after the impact; return whether any does."""
+def _find_hits(island: int, h: float, world: int) -> int:
+    """Find the points of an island that hit, and their speeds after the impact; return the first contact that does, or -1."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    contact, place, found, struck = integers(world, CONTACT), floats(world, PLACE), False, False
+    contact, place, found, struck = integers(world, CONTACT), floats(world, PLACE), -1, False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         struck = struck or strikes(world, row_of(order[k, 0], world))
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
@@ -64,7 +68,7 @@ def _find_hits(island: int, h: float, world: int) -> bool:
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
         if _hits(order[k, 0], e, e > 0.0 or struck, h, world):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
-            found = True
+            found = order[k, 0] if found < 0 else found
     return found
 
 
