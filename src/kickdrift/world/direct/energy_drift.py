@@ -5,8 +5,8 @@ compared with that at the beginning, for as long as nothing else acts on it. Wha
 limits, springs or friction that act begins anew after them, and so does what users place or push between two steps.
 
 The kick comes before the drift: what a substep conserves is the energy half a kick later, E + h/2 sum m g . v; in free flight
-it is E (`kickdrift.world.joints.free_fall`). A loss is what is missing from both. Where substeps change in length, h/2 sum m g . v
-jumps, and the loss leaves these jumps out.
+it is E (`kickdrift.world.joints.free_fall`). A loss is what is missing from both. Where substeps change in length,
+h/2 sum m g . v jumps, and the loss leaves these jumps out.
 """
 
 from kickdrift.core.compilation import compiled
