@@ -11,7 +11,7 @@ from kickdrift.world.joints.axis import Motor
 from kickdrift.world.joints.layout import BRAKE
 from kickdrift.world.rollback import roll_back
 from kickdrift.world.step import run
-from kickdrift.world.step_status import DO_IN_PARTS, STATUS
+from kickdrift.world.step_status import DO_IN_PARTS, LEFT_BOUNCING, STATUS, TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import EVENTS, INVERSE_MASS, JOINT_NUMBERS, MOTION, PARTICLE, POSE, PREDICTED, STEP_STATUS
 
 STEP = 1 / 60
@@ -105,6 +105,17 @@ def test_an_attempt_that_is_rolled_back_leaves_no_trace(fill, settings):
         assert state(other) == state(world)
         braked = braked or bool(world.tables.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3].any())
     assert braked == (fill is jointed)
+
+
+def test_warnings_of_an_attempt_go_with_it_and_those_of_earlier_steps_stay():
+    world = kd.World()
+    tumbling(world)
+    status = world.tables.row(STEP_STATUS, 0)
+    status[WARNING] = TURNS_TOO_FAST
+    attempt(world)
+    status[WARNING] |= LEFT_BOUNCING
+    roll_back(world.tables)
+    assert status[WARNING] == TURNS_TOO_FAST
 
 
 @pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")

@@ -33,6 +33,7 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.sleeping import REACH
+from kickdrift.world.step_status import STARTED_WARNING, WARNING
 from kickdrift.world.tables import (
     BATCH,
     BODY,
@@ -53,6 +54,7 @@ from kickdrift.world.tables import (
     STARTED_MOTION,
     STARTED_POSE,
     STARTED_ROTATION,
+    STEP_STATUS,
     Tables,
     floats,
     integers,
@@ -78,8 +80,9 @@ def begin(t: float, h: float, world: int) -> None:
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
     member, kind = integers(world, MEMBER), integers(world, BODY)
-    inertia = floats(world, INERTIA)
+    inertia, status = floats(world, INERTIA), integers(world, STEP_STATUS)
     set_rows(world, BATCH, 0)
+    status[0, STARTED_WARNING] = status[0, WARNING]
     floats(world, SETTINGS)[0, RESIDUAL] = 0.0
     for body in range(rows(world, DELTA_POSE)):
         member[body, 0] = body
@@ -156,6 +159,7 @@ def roll_back(tables: Tables) -> None:
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
     _roll_back_rotations(tables)
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
+    tables.row(STEP_STATUS, 0)[WARNING] = tables.row(STEP_STATUS, 0)[STARTED_WARNING]
     roll_back_cloths(tables)
     tables.array(BODY)[:, UNSOLVED] &= LEFT - 1  # what was measured in this attempt
     tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, inverse_symmetric, length, minus, plus, times
-from kickdrift.world.cloth.bending_lanes import couple_damped_lanes, couple_lanes, turn_lanes
+from kickdrift.world.cloth.bending_lanes import are_pairs, couple_damped_lanes, couple_lanes, turn_lanes
 from kickdrift.world.cloth.layout import (
     BENDING,
     BENDING_DAMPING,
@@ -107,6 +107,8 @@ def _couple(world: int, cloth: int, stiffness: float, ahead: float, sums: Any) -
     i = begin
     while i < end:
         first, last, after = ranges[i, COUPLINGS], ranges[i, COUPLINGS + 1], i + 1
+        while after + WIDTH <= end and are_pairs(ranges, after, first, last):
+            after += WIDTH
         while after < end and ranges[after, COUPLINGS] == first and ranges[after, COUPLINGS + 1] == last:
             after += 1
         first, last = start + first, start + last

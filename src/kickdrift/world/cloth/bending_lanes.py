@@ -81,6 +81,26 @@ couple_lanes, couple_damped_lanes = _couple(False), _couple(True)
 
 
 @intrinsic
+def are_pairs(context: Any, table: Any, i: Any, first: Any, second: Any) -> Any:
+    """Whether eight rows of a table of two integers, from row i on, all hold the same two."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        table, words = begin_of(context, builder, signature.args[0], values[0]), ir.VectorType(WORD, WIDTH)
+        wanted = ir.Constant(words, ir.Undefined)
+        for lane in range(WIDTH):
+            wanted = builder.insert_element(wanted, values[2 + lane % 2], ir.IntType(32)(lane))
+        begin, equal = builder.mul(values[1], WORD(2)), None
+        for half in (0, WIDTH):
+            place = builder.bitcast(builder.gep(table, [builder.add(begin, WORD(half))]), words.as_pointer())
+            found = builder.icmp_signed("==", builder.load(place, align=8), wanted)
+            equal = found if equal is None else builder.and_(equal, found)
+        mask = builder.bitcast(equal, ir.IntType(WIDTH))
+        return builder.icmp_signed("==", mask, ir.IntType(WIDTH)(-1))
+
+    return types.boolean(table, types.int64, types.int64, types.int64), generate
+
+
+@intrinsic
 def turn_lanes(context: Any, fields: Any, size: Any, i: Any, x: Any, y: Any, z: Any) -> Any:
     """Subtract (x, y, z) x CURVES from the forces on eight particles, from `i` on."""
 

@@ -31,15 +31,12 @@ def resolve_lanes(context: Any, contacts: Any, numbers: Any, particles: Any, row
         contacts, numbers, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
         row, part, push = values[3], same(builder, values[4]), same(builder, values[5])
         places = [_row_of(builder, contacts, row, lane) for lane in range(WIDTH)]
-        of_shape = [_fields(builder, numbers, _rows(builder, row), first) for first in (0, WIDTH)]
-        own = _fields(builder, particles, places, 0)
-
-        def number(column: int) -> Lanes:
-            return of_shape[column // WIDTH][column % WIDTH]
-
-        zero, n = Lanes(builder, ir.Constant(VECTOR, None)), [number(CLOTH_NORMAL + k) for k in range(3)]
-        v = [own[PARTICLE_VELOCITY + k] - number(GROUND_VELOCITY + k) for k in range(3)]
-        approach, gap = dot(n, v), number(CLOTH_GAP)
+        number, own = (
+            _fields(builder, table, of) for table, of in ((numbers, _rows(builder, row)), (particles, places))
+        )
+        zero, n = Lanes(builder, ir.Constant(VECTOR, None)), [number[CLOTH_NORMAL + k] for k in range(3)]
+        v = [own[PARTICLE_VELOCITY + k] - number[GROUND_VELOCITY + k] for k in range(3)]
+        approach, gap = dot(n, v), number[CLOTH_GAP]
         out = _larger(_smaller(zero - gap, part * push), zero)
         gap += out
         wanted = zero - _larger(gap, zero) / part
@@ -47,7 +44,7 @@ def resolve_lanes(context: Any, contacts: Any, numbers: Any, particles: Any, row
         more = _larger(wanted - approach, zero)
         slip = [v[k] - approach * n[k] for k in range(3)]
         speed = dot(slip, slip).root()
-        stopped = _smaller(number(CONTACT_FRICTION) * more, speed) / _larger(speed, same(builder, NUMBER(_TINY)))
+        stopped = _smaller(number[CONTACT_FRICTION] * more, speed) / _larger(speed, same(builder, NUMBER(_TINY)))
         for k in range(3):
             own[k] = own[k] + out * n[k]
             own[PARTICLE_VELOCITY + k] = own[PARTICLE_VELOCITY + k] + more * n[k] - stopped * slip[k]
@@ -73,9 +70,9 @@ def _rows(builder: Any, row: Any) -> list[Any]:
     return [builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT_NUMBERS.width)) for lane in range(WIDTH)]
 
 
-def _fields(builder: Any, table: Any, places: Sequence[Any], first: int) -> list[Lanes]:
-    """Return eight columns of eight rows, from the first on, as lanes."""
-    rows = [builder.load(vector_pointer(builder, table, plus(builder, place, first)), align=8) for place in places]
+def _fields(builder: Any, table: Any, places: Sequence[Any]) -> list[Lanes]:
+    """Return the first eight columns of eight rows as lanes."""
+    rows = [builder.load(vector_pointer(builder, table, place), align=8) for place in places]
     return [Lanes(builder, field) for field in transposed(builder, rows)]
 
 

@@ -130,9 +130,11 @@ def kick_lanes(
             row = Lanes(builder, builder.load(place, align=8))
             inverse = Lanes(builder, builder.shuffle_vector(row.value, row.value, lanes))
             kick = same(builder, time) * inverse * Lanes(builder, force) + Lanes(builder, fallen)
-            kicked = Lanes(builder, kept) * (row + kick)
             moves = builder.fcmp_ordered(">", inverse.value, zero)
-            builder.store(builder.select(moves, kicked.value, row.value), place, align=8)
+            # Not the results: they would be stored with a mask, which takes longer.
+            kick, factor = (builder.select(moves, new, old) for new, old in ((kick.value, zero), (kept, one)))
+            kicked = Lanes(builder, factor) * (row + Lanes(builder, kick))
+            builder.store(kicked.value, place, align=8)
         return context.get_dummy_value()
 
     word, real = types.int64, types.float64
@@ -140,19 +142,29 @@ def kick_lanes(
 
 
 @intrinsic
-def drift_row(context: Any, table: Any, i: Any, time: Any) -> Any:
-    """Add columns 4 to 6 of a row of eight, times a time, to columns 0 to 2."""
+def drift_lanes(context: Any, table: Any, i: Any, fields: Any, at: Any, size: Any, time: Any) -> Any:
+    """Add columns 4 to 6 of eight rows of a table of width eight, from row i on, times a time, to columns 0 to 2.
+
+    These are then copied to three fields.
+    """
     moved = ir.Constant(VECTOR, [1.0, 1.0, 1.0, *[0.0] * 5])
     order = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [4, 5, 6, *[8] * 5])
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        place = vector_pointer(
-            builder, begin_of(context, builder, signature.args[0], values[0]), builder.mul(values[1], WORD(WIDTH))
-        )
-        row = Lanes(builder, builder.load(place, align=8))
-        speed = Lanes(builder, builder.shuffle_vector(row.value, ir.Constant(VECTOR, None), order))
-        row += same(builder, values[2]) * Lanes(builder, moved) * speed
-        builder.store(row.value, place, align=8)
+        table, fields = (begin_of(context, builder, signature.args[k], values[k]) for k in (0, 2))
+        begin, (at, size, time) = builder.mul(values[1], WORD(WIDTH)), values[3:]
+        rows = []
+        for k in range(WIDTH):
+            place = vector_pointer(builder, table, plus(builder, begin, WIDTH * k))
+            row = Lanes(builder, builder.load(place, align=8))
+            speed = Lanes(builder, builder.shuffle_vector(row.value, ir.Constant(VECTOR, None), order))
+            row += same(builder, time) * Lanes(builder, moved) * speed
+            builder.store(row.value, place, align=8)
+            rows.append(row.value)
+        for k, vector in enumerate(transposed(builder, rows)[:3]):
+            field = builder.add(at, builder.mul(size, WORD(k)))
+            builder.store(vector, vector_pointer(builder, fields, field), align=8)
         return context.get_dummy_value()
 
-    return types.none(table, types.int64, types.float64), generate
+    word = types.int64
+    return types.none(table, word, fields, word, word, types.float64), generate

@@ -138,14 +138,13 @@ TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1 if the body receives the reaction
 IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven have different particles and move no body
 
-# CLOTH_CONTACT_NUMBERS
+# CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
 CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
+# Surface velocity of the shape; relative to its body if MOVES_BODY
+GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
-GROUND_VELOCITY = column(
-    CLOTH_CONTACT_NUMBERS, 3, "m/s"
-)  # surface velocity of the shape; relative to its body if MOVES_BODY
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # displacement in the drift besides that of its velocity

@@ -16,7 +16,6 @@ from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
 from kickdrift.world.cloth.crossings import stop_crossings
-from kickdrift.world.cloth.lanes import drift_row
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     FIRST_PARTICLE,
@@ -36,7 +35,7 @@ from kickdrift.world.cloth.layout import (
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import begin_interval, hold_pairs, resolve_pairs
 from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
-from kickdrift.world.cloth.particle_lanes import fill_lanes, kick_by_forces
+from kickdrift.world.cloth.particle_lanes import drift_particles, fill_lanes, kick_by_forces
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
 from kickdrift.world.cloth.swept import find_strays, set_frame, travels
 from kickdrift.world.cloth.wind import add_wind
@@ -84,6 +83,9 @@ def move_cloths(t: float, h: float, world: int) -> None:
     for at in range(int(search[0, TURN]), _TURNS * (parts + 1)):
         k = at // _TURNS
         if at % _TURNS == 0:
+            if k % each == 0 or k == parts:  # elsewhere the drift has copied the positions
+                for cloth in range(rows(world, CLOTH)):
+                    fill_lanes(world, cloth)
             if k % each == 0 and k < parts:
                 begin_interval(world)
             _move(world, part, k == 0, k == parts, h - k * part)
@@ -135,15 +137,7 @@ def _move(world: int, part: float, begins: bool, ends: bool, left: float) -> Non
         hold_pairs(world, part)
         for cloth in range(rows(world, CLOTH)):
             carry_pins(world, cloth, part, left)
-        _drift(world, part)
-
-
-@compiled
-def _drift(world: int, part: float) -> None:
-    """Move all particles with their velocities through a part of a substep."""
-    particle = floats(world, PARTICLE)
-    for i in range(rows(world, PARTICLE)):
-        drift_row(particle, i, part)
+        drift_particles(world, part)
 
 
 @compiled
@@ -197,7 +191,6 @@ def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: f
     share = 0.5 if begins or ends else 1.0
     # That of damping is whole at the end, as nothing is known of changes where the next substep begins.
     damped = 0.0 if begins else 1.0 / part
-    fill_lanes(world, cloth)
     add_membrane(world, cloth, share, damped)
     add_bending(world, cloth, share, damped)
     _kick(world, cloth, part, share, begins, left)

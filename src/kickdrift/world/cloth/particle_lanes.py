@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
-from kickdrift.world.cloth.lanes import kick_lanes, rows_to_fields
+from kickdrift.world.cloth.lanes import drift_lanes, kick_lanes, rows_to_fields
 from kickdrift.world.cloth.layout import (
     FIRST_PARTICLE,
     FORCES,
@@ -37,6 +37,23 @@ def fill_lanes(world: int, cloth: int) -> None:
         rows_to_fields(particle, i, 0, fields, PLACES * size + i, size)
     for i in range(last - (last - first) % WIDTH, last):
         for k in range(3):
+            fields[(PLACES + k) * size + i] = particle[i, k]
+
+
+@compiled
+def drift_particles(world: int, part: float) -> None:
+    """Move all particles with their velocities through a part of a substep, s, and copy their positions."""
+    particle, fields, size, count = (
+        floats(world, PARTICLE),
+        flat(world, PARTICLE_LANES),
+        field_size(world),
+        rows(world, PARTICLE),
+    )
+    for i in range(0, count - WIDTH + 1, WIDTH):
+        drift_lanes(particle, i, fields, PLACES * size + i, size, part)
+    for i in range(count - count % WIDTH, count):
+        for k in range(3):
+            particle[i, k] += part * particle[i, PARTICLE_VELOCITY + k]
             fields[(PLACES + k) * size + i] = particle[i, k]
 
 
