@@ -54,8 +54,8 @@ _ROUNDS = 310
 # Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
 _APART = 300
 _SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave 5e-5 of what there is to do, for a mass ratio of 1000
-_SLOW = 1e-6  # of the fastest impact of a substep: or of its impulses: less is nothing
-_ROUGH = 1e-3  # likewise: what is left of more than that is said, if it comes to a tenth of the slop
+_SLOW = 1e-6  # of the fastest impact of a substep: less is nothing
+_ROUGH = 1e-3  # likewise: what is left of more than that is said, if it comes to a tenth of the slop in the substep
 _FAR = 1e10  # m, as a gap
 _MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
@@ -130,7 +130,7 @@ def bounce(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts within the substep."""
     if rows(world, BOUNCING) == 0:
         return
-    left, most, body, first, fastest, near = 0.0, 0.0, 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
+    body, first, fastest, near = 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
     for n in range(_ROUNDS):
         fastest, together = _find_round(h, world), n >= _APART
         first = max(first, fastest)
@@ -147,7 +147,7 @@ def bounce(t: float, h: float, world: int) -> None:
             move_to_impact(h, world, b)
         for hit in range(rows(world, IMPACT)):
             meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
-        left = find_impulses(world, _MANY_SWEEPS if together else _SWEEPS)  # what this round has left will hit again
+        find_impulses(world, _MANY_SWEEPS if together else _SWEEPS)
         for hit in range(rows(world, IMPACT)):
             a, b = bodies_of(world, hit)
             leave_impact(h, world, a)
@@ -156,10 +156,11 @@ def bounce(t: float, h: float, world: int) -> None:
             own[c.REFERENCE * c.WIDTH] = HIT if was_hit else _MISSED
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 _hide_from_sweeps(own, k)
-            most = max(most, pushed(impact[hit]))
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
-    if first * h > near and (fastest > max(_ROUGH * first, near / h) or left > _ROUGH * most):
+    else:
+        fastest = _find_round(h, world)
+    if fastest > max(_ROUGH * first, near / h):
         warn_of_impacts(world, body, t)
 
 

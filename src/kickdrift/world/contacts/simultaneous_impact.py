@@ -200,10 +200,10 @@ def pushed(hit: Any) -> float:
 
 
 @compiled
-def find_impulses(world: int, sweeps: int) -> float:
-    """Find and apply the impulses of a round, in so many sweeps at most; return how far they are from converged, N s."""
+def find_impulses(world: int, sweeps: int) -> None:
+    """Find and apply the impulses of a round, in so many sweeps at most; approach that they leave is found by the next round."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
-    scale, largest = 0.0, 0.0
+    scale = 0.0
     for _ in range(sweeps):
         largest = 0.0
         for hit in range(count):
@@ -211,7 +211,7 @@ def find_impulses(world: int, sweeps: int) -> float:
             scale = max(scale, pushed(impact[hit]))
         if largest <= _TOLERANCE * scale:
             break
-    left, rough = largest, False
+    rough = False
     for hit in range(count):
         for k in range(4):
             p = IMPACT_POINTS + POINT_SIZE * k
@@ -219,8 +219,7 @@ def find_impulses(world: int, sweeps: int) -> float:
         rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
     if rough:
         for _ in range(_BOUNDS):
-            largest = _find_friction(world, scale, sweeps)
-        left = max(left, largest)
+            _find_friction(world, scale, sweeps)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
     for _ in range(sweeps):
@@ -228,14 +227,13 @@ def find_impulses(world: int, sweeps: int) -> float:
         for hit in range(count):
             largest = max(largest, _sweep_points(world, impact[hit], False, 0.0, True))
         if largest <= _TOLERANCE * scale:
-            break
-    return max(left, largest)
+            return
 
 
 @compiled
-def _find_friction(world: int, scale: float, sweeps: int) -> float:
-    """Find friction within Coulomb's bound, and normal impulses that keep normal velocities at zero; return what is left."""
-    impact, count, largest = floats(world, IMPACT), rows(world, IMPACT), 0.0
+def _find_friction(world: int, scale: float, sweeps: int) -> None:
+    """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
+    impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
         total = pushed(impact[hit])
         for k in range(4):
@@ -247,8 +245,7 @@ def _find_friction(world: int, scale: float, sweeps: int) -> float:
             largest = max(largest, _sweep_friction(world, impact[hit]))
             largest = max(largest, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
         if largest <= _TOLERANCE * scale:
-            break
-    return largest
+            return
 
 
 @compiled
