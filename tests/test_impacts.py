@@ -367,6 +367,32 @@ def test_several_switches_hold_at_once_and_let_go_one_after_the_other():
     assert sol.success
 
 
+@pytest.mark.parametrize("coupling", [0.97, 0.99])
+def test_switches_hold_whose_sides_act_on_each_other(coupling):
+    def coupled(x, params):
+        one, other = params[-2], params[-1]
+        return np.array([0.3 - one - coupling * other, 0.3 - coupling * one - other])
+
+    options = {"step": 0.05, "method": "velocity-verlet", "switches": lambda v: v, "compile": False}
+    sol = kd.solve(coupled, (0, 1.5), [0.0, 0.0], [0.05, 0.04], **options)
+    assert sol.success
+    assert np.abs(sol.v[-10:]).max() < 1e-13
+
+
+@pytest.mark.parametrize(("jump", "success"), [(0.0, True), (3.0, False)])
+def test_a_step_without_sides_that_end_it_at_its_switch_is_refused(jump, success):
+    """From one moment on, the force jumps over zero as a function of the side."""
+
+    def jumping(t, x, params):
+        return 0.1 - params[-1] - (jump * np.sign(params[-1] - 0.05) if 0.45 < t < 0.55 else 0.0)
+
+    options = {"step": 0.1, "method": "velocity-verlet", "switches": lambda v: v, "compile": False}
+    sol = kd.solve(jumping, (0, 1.0), 0.0, 0.0, **options)
+    assert sol.success == success
+    assert ("no sides were found" in sol.message) != success
+    assert np.abs(sol.v).max() < 1e-12
+
+
 def test_a_run_that_slides_resumes_with_the_same_bits(tmp_path):
     options = {"step": 0.05, "method": "velocity-verlet", "switches": lambda v: v, "compile": False}
     whole = kd.solve(dry, (0, 12.0), 1.1, 0.0, **options)

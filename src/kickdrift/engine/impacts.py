@@ -18,6 +18,7 @@ from kickdrift.core.views import part
 from kickdrift.engine.control_checks import check_copies
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.flows import surfaces as layout
+from kickdrift.engine.flows.sliding_mode import MOST_ROUNDS
 from kickdrift.engine.grid import Course
 from kickdrift.engine.impact_checks import check_friction, check_start, masses_of, numbers_of
 from kickdrift.engine.problem_adapter import Adapter, bind
@@ -166,7 +167,9 @@ def cut_steps(
     of_impacts = sizes.get("impacts", 0)
     check_start(start, of_impacts, length)
     most = min(of_impacts, 2 * n)
-    params = np.zeros(layout.HEAD + (layout.ROWS + 1) * count + (layout.VECTORS + max(most, 1)) * n)
+    kept = MOST_ROUNDS if switches is not None else 0
+    params = np.zeros(layout.HEAD + (layout.ROWS + 1 + kept) * count + (layout.VECTORS + max(most, 1)) * n)
+    params[layout.MOST_KEPT] = kept
     params[[layout.COUNT, layout.LENGTH, layout.START, layout.MOST_LISTED]] = count, length, course.t0, max(most, 1)
     params[layout.PLACE_OF_SIDES] = place_of_sides
     params[layout.LOCATED] = impacts is None or choice("located", impacts.located)

@@ -16,6 +16,7 @@ from kickdrift.engine.flows.layout import (
     EVALUATIONS,
     FAILED_CONTROL,
     JAMMED,
+    MISSED_SWITCH,
     NOT_HELD,
     TAKEN_BACK,
     TROUBLE,
@@ -44,6 +45,10 @@ _NO_STEP = {
         " There the force on both sides of a switch leads back to it, and the motion slides along it, as in dry friction"
         " at rest. That needs a force linear in the side, which is then a number between -1 and 1: write"
         " -0.2 * params[-1], and not -0.2 if params[-1] > 0 else 0.2."
+    ),
+    MISSED_SWITCH: (
+        " The motion slides along switches, but no sides were found with which the step ends at them: their effects are"
+        " nearly the same, or change too much within the step. Try a smaller step."
     ),
     NOT_HELD: (
         " A resting body cannot be kept on all its surfaces: they leave no room, or curve too much within a step."

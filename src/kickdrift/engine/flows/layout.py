@@ -82,7 +82,8 @@ TAKEN_BACK = -29  # number of steps rejected by a flow itself
 DENSITY_HERE = -27  # value of the density function after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
 CHANGES = -30  # number of changes of the state or the force between steps, which invalidate forces kept by flows
-FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP, CHATTERING = -1.0, -2.0, -3.0, -4.0, -5.0, -6.0
+FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0
+CHATTERING, MISSED_SWITCH = -6.0, -7.0
 """Residuals that mean that no step size works: in general; and of impacts, see `kickdrift.core.outcomes`."""
 _SCRATCH = -1  # index among the words before work
 _LINE = 8  # numbers in a cache line

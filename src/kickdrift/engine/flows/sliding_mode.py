@@ -20,6 +20,7 @@ from kickdrift.engine.flows.layout import (
     END,
     EVALUATIONS,
     FIRST_STEP,
+    MISSED_SWITCH,
     TROUBLE,
     VELOCITY,
     has_part,
@@ -28,6 +29,7 @@ from kickdrift.engine.flows.layout import (
 from kickdrift.engine.flows.resting import FREE_V, FREE_X
 from kickdrift.engine.flows.surfaces import (
     FLIES,
+    KEPT,
     PLACE_OF_SIDES,
     RESTING,
     ROUNDS,
@@ -36,11 +38,14 @@ from kickdrift.engine.flows.surfaces import (
     SLIDES_ON,
     STEEPNESS,
     SWITCH,
+    TOUCHES,
+    change_of_sides,
     params_of_gaps,
     place,
     room_of_accelerations,
     room_of_gaps,
     row_of,
+    size_of,
 )
 
 Floats = NDArray[np.float64]
@@ -54,7 +59,8 @@ take_equivalent_side: Callable[..., bool] = unbound
 _MOMENT = 1e-4  # of a step, by which the rate of a switch is a difference
 _LINEAR = 1e-2  # of the difference of the rates on both sides
 _SLIDES_AFTER = 2.0  # consecutive cuts without time between
-_SETTLED, _MOST_ROUNDS = 1e-12, 20  # of the iteration for the side
+MOST_ROUNDS, _SETTLED = 20, 1e-12  # of the iteration for the sides
+_MISSED = 1e-6  # of the side: what the iteration must not leave, unless rounding errors are as large
 
 
 @compiled
@@ -135,23 +141,65 @@ def slide_or_leave(t: float, x: Floats, v: Floats, params: Floats, work: Floats)
 
 def miss_switches(t: float, h: float, x: Floats, v: Floats, work: Floats) -> bool:
     """Return whether a step has to be repeated to end at the switches along which the motion slides, with corrected sides."""
-    resting, side, steepness = row_of(RESTING, work), row_of(SIDE, work), row_of(STEEPNESS, work)
-    own, room, largest = own_params(work), room_of_gaps(x.size, work), 0.0
-    gaps_at(t, x, v, params_of_gaps(x.size, work), work, room)
-    for row in range(resting.size):
-        if resting[row] == SLIDES_ON:
-            better = min(max(side[row] - room[row] / (abs(h) * steepness[row]), -1.0), 1.0)
-            largest = max(largest, abs(better - side[row]))
-            side[row] = better
+    own, resting, side = own_params(work), row_of(RESTING, work), row_of(SIDE, work)
+    gaps_at(t, x, v, params_of_gaps(x.size, work), work, room_of_gaps(x.size, work))
+    largest = correct_sides(abs(h), x.size, work)
     own[ROUNDS] += 1.0
-    if largest > _SETTLED and own[ROUNDS] < _MOST_ROUNDS:
+    if largest > _SETTLED and own[ROUNDS] < MOST_ROUNDS:
         work[CHANGES] += 1.0
         return True
-    own[ROUNDS] = 0.0
+    room, rounding = room_of_gaps(x.size, work), TOUCHES * max(size_of(x, work), size_of(v, work))
     for row in range(resting.size):
+        if resting[row] == SLIDES_ON and largest > _MISSED and abs(room[row]) > rounding:
+            work[TROUBLE] = MISSED_SWITCH
         if resting[row] == SLIDES_ON and abs(side[row]) == 1.0:
             resting[row] = FLIES
+    own[ROUNDS] = own[KEPT] = 0.0
     return False
+
+
+@compiled
+def _product(a: Floats, b: Floats) -> float:
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
+
+
+@compiled
+def correct_sides(h: float, n: int, work: Floats) -> float:
+    """Correct the sides by Broyden's method from the slopes of each alone, and return the largest correction by these.
+
+    It starts again where a side reaches a bound, and leaves those out that stay there. For what each side does to other
+    switches it needs the corrections before, and no matrix: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations
+    (1995), algorithm brsol in section 7.3.
+    """
+    own, room, resting, side = own_params(work), room_of_gaps(n, work), row_of(RESTING, work), row_of(SIDE, work)
+    steepness, kept, largest = row_of(STEEPNESS, work), int(own[KEPT]), 0.0
+    change = change_of_sides(kept, n, work)
+    for row in range(side.size):
+        change[row] = 0.0
+        if resting[row] == SLIDES_ON:
+            alone = -room[row] / (h * steepness[row])
+            change[row] = min(max(side[row] + alone, -1.0), 1.0) - side[row] if abs(side[row]) == 1.0 else alone
+            largest = max(largest, abs(min(max(side[row] + alone, -1.0), 1.0) - side[row]))
+    for k in range(kept):
+        before = change_of_sides(k, n, work)
+        share = _product(before, change) / _product(before, before)
+        if k + 1 < kept:
+            after = change_of_sides(k + 1, n, work)
+            for row in range(side.size):
+                change[row] += share * after[row]
+        elif abs(1.0 - share) > _SETTLED:
+            for row in range(side.size):
+                change[row] /= 1.0 - share
+    own[KEPT] += 1.0
+    for row in range(side.size):
+        if abs(side[row] + change[row]) >= 1.0 and change[row] != 0.0:
+            own[KEPT] = 0.0
+        if resting[row] == SLIDES_ON:
+            side[row] = min(max(side[row] + change[row], -1.0), 1.0)
+    return largest
 
 
 @compiled

@@ -2,7 +2,8 @@
 
 Templates. Layout of the params of control: HEAD numbers, named below; then ROWS rows of a number to each of m gaps, named
 below, of which the last ones belong to the gaps that are listed; VECTORS of n numbers, the inverse masses first; room for m
-gaps; the gradients of the gaps that are listed, n numbers each; and the params of the function.
+gaps; the gradients of the gaps that are listed, n numbers each; changes of the sides, m numbers each; and the params of the
+function.
 """
 
 import math
@@ -20,10 +21,11 @@ Floats = NDArray[np.float64]
 gaps_at: Callable[..., None] = unbound
 time_slopes: Callable[..., None] = unbound
 
-HEAD = 19
+HEAD = 21
 COUNT, LOCATED, BODY_SIZE = 0, 1, 2  # 3 and 4 are those of a trial, see `error_control`
 LOW, HIGH, LOW_GAP, HIGH_GAP, MODE, WHOLE, MOVED_LAST, LENGTH, ROUNDS, PLACE_OF_SIDES, SHORT = range(5, 16)
 START, MOST_LISTED, LISTED = 16, 17, 18  # of the run; how many gaps can be listed, and are
+MOST_KEPT, KEPT = 19, 20  # how many changes of the sides can be kept, and are
 ROWS = 19
 RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS, SLIP, TURNED, STEEPNESS = range(12)
 LIST, SQUARE, RATE, IMPULSE, USED, LEFT, SLIDES = range(12, ROWS)  # of those listed: the gap, and what is known of it
@@ -84,11 +86,24 @@ def gradient(k: int, n: int, work: Floats) -> Floats:
 
 
 @compiled(inline=True)
+def _start_of_changes(n: int, work: Floats) -> int:
+    own = own_params(work)
+    return HEAD + (ROWS + 1) * int(own[COUNT]) + (VECTORS + int(own[MOST_LISTED])) * n
+
+
+@compiled(inline=True)
 def params_of_gaps(n: int, work: Floats) -> Floats:
     """Return the params of the function."""
     own = own_params(work)
-    start = HEAD + (ROWS + 1) * int(own[COUNT]) + (VECTORS + int(own[MOST_LISTED])) * n
+    start = _start_of_changes(n, work) + int(own[MOST_KEPT]) * int(own[COUNT])
     return part(own, start, own.size - start)
+
+
+@compiled(inline=True)
+def change_of_sides(k: int, n: int, work: Floats) -> Floats:
+    """Return one of the changes of the sides in a step."""
+    m = int(own_params(work)[COUNT])
+    return part(own_params(work), _start_of_changes(n, work) + k * m, m)
 
 
 @compiled
