@@ -115,15 +115,21 @@ def test_a_light_ball_between_a_heavy_one_and_a_wall_stops_it(ratio, speed):
     assert np.abs(heavy.velocity).max() < 0.02 * speed
 
 
-@pytest.mark.parametrize("held", [False, True])
-def test_impacts_that_have_no_end_are_said_once(held):
-    world, light, heavy = wedge(0.5 if held else 0.0, 1000.0 if held else 1e8, gap=0.01)
+def test_impacts_that_have_no_end_are_said_once():
+    world, light, heavy = wedge(0.0, 1e8, gap=0.01)
     light.name, heavy.name = "light one", "heavy one"
-    if held:  # bounces of what hangs on joints are solved with them
-        world.add_ball_joint(None, light, anchor=(-0.06, 0, 5))
     with pytest.warns(kd.UnsolvedWarning, match="'(light|heavy) one'.*not all of these impacts were resolved") as said:
         world.advance(STEP, 10)
     assert len(said) == 1
+
+
+def test_impacts_at_joints_that_have_no_end_stop_both_bodies():
+    world, light, heavy = wedge(0.5, 1000.0, gap=0.01)
+    world.add_ball_joint(None, light, anchor=(-0.06, 0, 5))  # bounces of what hangs on joints are solved with them
+    approach = heavy.velocity[0]
+    world.advance(STEP, 10)
+    assert light.position[0] < -0.049
+    assert np.abs(heavy.velocity).max() < 0.1 * approach
 
 
 @pytest.mark.parametrize(("seed", "left"), [(11, 0), (10, 1)])

@@ -2,7 +2,9 @@
 
 At the start of a substep, when joints are satisfied, in rounds: all points that will hit within the substep faster than the
 bounce speed get -e times their speed, together with points of the same manifold that would hit in the next substep, so that
-bodies that land flat do not turn; then the points that these push onto others, until none hits. Points without restitution hit
+bodies that land flat do not turn; then the points that these push onto others, until none hits. Points that hit even after
+`_ROUNDS` rounds, as of a body that is thrown to and fro between others, are left to the solution of the substep, which stops
+them, as with e = 0. Points without restitution hit
 in islands that a contact strikes which is so fast that a substep carries shapes on by more than half of the smaller one: at its
 end they might have turned through what they met, as the solution of a substep takes arms to be constant. Smith, Kaufman, Vouga,
 Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
@@ -10,8 +12,6 @@ Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (20
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.endless_impacts import warn_of_impacts
-from kickdrift.world.contacts.impact_motion import is_moved
 from kickdrift.world.contacts.restitution import slowest_bounce, strikes
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
@@ -47,9 +47,6 @@ def bounce_islands(t: float, h: float, world: int) -> None:
                 if kinetic_energy(island, MOTION, world) > most:  # no solution: nothing bounces
                     take_back_velocities(island, world)
                     break
-        else:
-            a, b = bodies_of(integers(world, ISLAND_CONTACT)[integers(world, ISLAND)[island, FIRST_CONTACT], 0], world)
-            warn_of_impacts(world, b if is_moved(world, b) else a, t)
 
 
 @compiled(cached=False)
