@@ -40,9 +40,9 @@ def gas(seed, kind, ratio, speed, **settings):
     return world, balls
 
 
-def wedge(restitution, ratio, speed=10.0, gap=0.1, world=None):
+def wedge(restitution, ratio, speed=10.0, gap=0.1):
     """A heavy ball that drives a light one into a thin wall."""
-    world = world or kd.World(gravity=(0, 0, 0))
+    world = kd.World(gravity=(0, 0, 0))
     world.add_box((0.02, 4, 4), position=(0.01, 0, 0), static=True, restitution=restitution)
     light = world.add_sphere(0.05, position=(-0.05 - gap, 0, 0), mass=1.0 / ratio, restitution=restitution)
     heavy = world.add_sphere(0.05, position=(-0.2 - gap, 0, 0), mass=1.0, restitution=restitution)
@@ -115,27 +115,21 @@ def test_a_light_ball_between_a_heavy_one_and_a_wall_stops_it(ratio, speed):
     assert np.abs(heavy.velocity).max() < 0.02 * speed
 
 
-@pytest.mark.parametrize("held", [False, True])
-def test_impacts_that_have_no_end_are_said_once(held):
-    world, light, heavy = wedge(0.5 if held else 0.0, 1000.0 if held else 1e8, gap=0.01)
+def test_impacts_that_have_no_end_are_said_once():
+    world, light, heavy = wedge(0.0, 1e8, gap=0.01)
     light.name, heavy.name = "light one", "heavy one"
-    if held:  # bounces of what hangs on joints are solved with them
-        world.add_ball_joint(None, light, anchor=(-0.06, 0, 5))
     with pytest.warns(kd.UnsolvedWarning, match="'(light|heavy) one'.*not all of these impacts were resolved") as said:
         world.advance(STEP, 10)
     assert len(said) == 1
 
 
-def test_of_bodies_joined_to_each_other_one_that_is_hit_without_end_is_named():
-    world = kd.World(gravity=(0, 0, 0))
-    world.add_box((1, 1, 0.1), position=(-0.06, 0, 5.85), static=True)
-    rests = world.add_box((0.2, 0.2, 0.2), position=(-0.06, 0, 6), name="at rest")  # the first contact is its own
-    world, light, heavy = wedge(0.5, 1000.0, gap=0.01, world=world)
-    light.name, heavy.name = "light one", "heavy one"
-    for a, b in ((None, light), (light, rests)):
-        world.add_ball_joint(a, b, anchor=(-0.06, 0, 5))
-    with pytest.warns(kd.UnsolvedWarning, match="'(light|heavy) one', and what it touches"):
-        world.advance(STEP, 10)
+def test_impacts_at_joints_that_have_no_end_stop_both_bodies():
+    world, light, heavy = wedge(0.5, 1000.0, gap=0.01)
+    world.add_ball_joint(None, light, anchor=(-0.06, 0, 5))  # bounces of what hangs on joints are solved with them
+    approach = heavy.velocity[0]
+    world.advance(STEP, 10)
+    assert light.position[0] < -0.049
+    assert np.abs(heavy.velocity).max() < 0.1 * approach
 
 
 @pytest.mark.parametrize(("seed", "left"), [(11, 0), (10, 1)])
