@@ -195,6 +195,38 @@ def test_loads_act_on_the_whole_of_a_step_that_is_done_in_parts(counts):
     assert free.velocity[1] == pytest.approx(20 * 3.0 * STEP, rel=1e-12)
 
 
+@pytest.mark.parametrize(("share", "breaks"), [(1.1, False), (0.9, True)])
+def test_joints_bear_the_mean_over_a_step_that_is_done_in_parts_and_break_under_it(share, breaks, counts):
+    """An impulse in one of the parts is not a larger force than in a whole step."""
+    forces, limit = [], np.inf
+    for world in (kd.World(gravity=(0, 0, 0)), squeezed(7), squeezed(7)):
+        rod = world.add_box((0.1, 0.1, 1.0), position=(0, 50, -0.5), mass=1.0)
+        hinge = world.add_hinge(None, rod, anchor=(0, 50, 0), axis=(0, 1, 0), breaking_force=limit)
+        world.add_sphere(0.1, mass=1.0, position=(0.2, 50, -0.05), velocity=(-20, 0, 0))
+        world.step(STEP)
+        if limit == np.inf:
+            forces.append(hinge.force[0])
+        if counts["parts"]:
+            limit = share * abs(forces[0])
+    assert abs(forces[0]) > 1000.0
+    assert forces[1] == pytest.approx(forces[0], rel=1e-6)
+    assert (world.broken == [hinge]) == breaks
+
+
+def test_a_rotor_too_fast_is_told_the_same_substeps_in_a_step_that_is_done_in_parts(counts):
+    said = []
+    for world in (kd.World(gravity=(0, 0, 0)), squeezed(7)):
+        world.substeps = 1
+        rotor = world.add_box((0.4, 0.2, 0.1), position=(0.5, 50, 0), mass=2.0, velocity=(0, 300, 0), name="rotor")
+        rotor.angular_velocity = (0, 0, 600)
+        world.add_hinge(None, rotor, anchor=(0, 50, 0), axis=(0, 0, 1))
+        with pytest.warns(kd.UnsolvedWarning, match="'rotor', turns by 10 rad in a substep") as warned:
+            world.step(STEP)
+        said.append([str(warning.message).split("Set ")[1] for warning in warned if "rotor" in str(warning.message)])
+    assert counts["parts"]
+    assert said[0] == said[1] == ["world.substeps = 20, or use a step of 0.00083 s."]
+
+
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
 def test_a_step_in_parts_that_fails_leaves_the_world_where_it_began(counts, error, monkeypatch):
     world, _ = gas(0, "boxes", 1000.0, 60.0)

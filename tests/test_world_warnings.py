@@ -93,6 +93,21 @@ def test_loops_that_are_stretched_taut_lose_energy_and_it_is_said():
     assert len(said) == 1
 
 
+@pytest.mark.parametrize("change", [0.0, 1e-3])
+def test_a_chain_that_slowly_gains_energy_is_found_also_where_steps_vary_in_length(change):
+    world, rng, before = kd.World(substeps=1), np.random.default_rng(3), None
+    for k in range(4):
+        rod = world.add_box((0.5, 0.05, 0.05), position=(0.25 + 0.5 * k, 0, 0), density=10 ** rng.uniform(2, 4))
+        world.add_hinge(before, rod, anchor=(0.5 * k, 0, 0), axis=(0, 1, 0))
+        before = rod
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        for n in range(165):
+            world.step(STEP * (1 + change * (-1) ** n))
+    assert len(said) == 1
+    assert re.search(r"gained 1 % of the energy of their bodies from t=0\.016\d* s to 2\.7\d* s", str(said[0].message))
+
+
 def test_a_tower_too_high_for_the_sweeps_is_said():
     world = tower(70)
     with pytest.warns(

@@ -140,7 +140,6 @@ def _check_joints(rows: FileTables) -> None:
     rows.within("JOINT", j.PIVOT, 0, 2)
     rows.within("JOINT", j.LOCKED, 0, 63)
     rows.within("JOINT", j.LAWS, 0, 63)
-    rows.within("JOINT", j.BROKEN, 0, 1)
     rows.within("JOINT", j.PRINCIPAL, j.NONE, 5)
     rows.within("JOINT", j.GEARED_JOINTS, 0, max(len(joints) - 1, 0), size=2)
     rows.within("JOINT", j.GEARED_AXES, 0, 5, size=2)
@@ -162,7 +161,7 @@ def _angles_fit(joints: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Whether each joint has as many free angular axes as its measure of angles requires."""
     n_open = sum(1 - (joints[:, j.LOCKED] >> k & 1) for k in range(3, 6))
     wanted = np.array([0, 1, 2, 3, 3, 3])[joints[:, j.ANGULAR]]
-    fit: NDArray[np.bool_] = (n_open == wanted) | (joints[:, j.LINEAR] == j.GEARED) | (joints[:, j.BROKEN] != 0)
+    fit: NDArray[np.bool_] = (n_open == wanted) | (joints[:, j.LINEAR] == j.GEARED)
     return fit
 
 

@@ -20,13 +20,13 @@ SLEEP_TIME = column(SETTINGS, 1, "s")
 HAS_FAST = column(SETTINGS)  # 1.0 once the step has the stage for fast pairs
 HAS_DIRECT = column(SETTINGS)  # 1.0 once the step has the stages of the direct solver
 # Not settings but results: the residual of the last step, and the contents of warnings. Of a body that is left unsolved, its
-# row, and since when; of one that turns too fast, its row, the end of the first step in which it did, its turn in a substep,
-# the fraction of the energy that was lost, since when, and how many times more substeps there should be; of one that may have
-# missed a contact, or whose impacts had no end, its row, and the time.
+# row, and since when; of one that turns too fast, its row, the end of the first step in which it did, its rate, the
+# fraction of the energy that was lost, since when, and how long substeps should be instead; of one that may have missed a
+# contact, or whose impacts had no end, its row, and the time.
 RESIDUAL = column(SETTINGS, 1, "m/s")
 UNSOLVED_BODY, UNSOLVED_SINCE = column(SETTINGS), column(SETTINGS, 1, "s")
 FAST_BODY, FAST_TIME = column(SETTINGS), column(SETTINGS, 1, "s")
-FAST_TURN, FAST_LOSS, FAST_SINCE = column(SETTINGS, 1, "rad"), column(SETTINGS), column(SETTINGS, 1, "s")
-FAST_REFINEMENT = column(SETTINGS)
+FAST_RATE, FAST_LOSS, FAST_SINCE = column(SETTINGS, 1, "rad/s"), column(SETTINGS), column(SETTINGS, 1, "s")
+FAST_SUBSTEP = column(SETTINGS, 1, "s")
 MISSED_BODY, MISSED_TIME = column(SETTINGS), column(SETTINGS, 1, "s")
 BOUNCING_TIME = column(SETTINGS, 1, "s")

@@ -10,10 +10,10 @@ from kickdrift.world.settings import (
     BOUNCING_TIME,
     FAST_BODY,
     FAST_LOSS,
-    FAST_REFINEMENT,
+    FAST_RATE,
     FAST_SINCE,
+    FAST_SUBSTEP,
     FAST_TIME,
-    FAST_TURN,
     MISSED_BODY,
     MISSED_TIME,
     STEP,
@@ -74,8 +74,8 @@ def _bouncing(tables: Tables, bodies: Bodies) -> str:
 def _too_fast(tables: Tables, bodies: Bodies) -> str:
     """Return the message of TURNS_TOO_FAST."""
     row = tables.array(SETTINGS)[0]
-    turn, body = float(row[FAST_TURN]), bodies.words(int(row[FAST_BODY]))
-    times = row[FAST_REFINEMENT]
+    substep, body = row[STEP] / row[SUBSTEPS], bodies.words(int(row[FAST_BODY]))
+    turn, times = float(row[FAST_RATE] * substep), substep / row[FAST_SUBSTEP]
     why = f"{body} turns by {turn:.2g} rad in a substep, too far for its joints"
     if turn <= LONG_TURN:
         why = (

@@ -5,7 +5,8 @@ compared with that at the beginning, for as long as nothing else acts on it. Wha
 limits, springs or friction that act begins anew after them, and so does what users place or push between two steps.
 
 The kick comes before the drift: what a substep conserves is the energy half a kick later, E + h/2 sum m g . v; in free flight
-it is E (`kickdrift.world.joints.free_fall`). A loss is what is missing from both.
+it is E (`kickdrift.world.joints.free_fall`). A loss is what is missing from both. Where substeps change in length,
+h/2 sum m g . v jumps, and the loss leaves these jumps out.
 """
 
 from kickdrift.core.compilation import compiled
@@ -20,6 +21,7 @@ from kickdrift.world.joints.layout import (
     ENERGY_LEFT,
     JUDGED_SINCE,
     LAG_AT_FIRST,
+    LAG_LEFT,
     LAWS,
     LINEAR_PART,
     LINK_JOINT,
@@ -73,12 +75,13 @@ def drift_of_energy(island: int, t: float, h: float, world: int) -> float:
         return 0.0
     half = 0.5 * h / floats(world, SETTINGS)[0, SUBSTEPS]
     kinetic, total, lag = _energies(island, half, STARTED_MOTION, STARTED_POSE, world)
-    began = abs(total + lag - numbers[keeper, ENERGY_LEFT]) > _SAME * max(kinetic, numbers[keeper, MOST_KINETIC])
+    began = abs(total - numbers[keeper, ENERGY_LEFT]) > _SAME * max(kinetic, numbers[keeper, MOST_KINETIC])
+    numbers[keeper, LAG_AT_FIRST] += lag - numbers[keeper, LAG_LEFT]  # zero unless the length of substeps has changed
     kinetic, total, lag = _energies(island, half, MOTION, POSE, world)
     if began or numbers[keeper, MOST_KINETIC] == 0.0:
         numbers[keeper, ENERGY_AT_FIRST], numbers[keeper, LAG_AT_FIRST] = total, lag
         numbers[keeper, MOST_KINETIC], numbers[keeper, MEAN_LOSS], numbers[keeper, JUDGED_SINCE] = 0.0, 0.0, t
-    numbers[keeper, ENERGY_LEFT] = total + lag
+    numbers[keeper, ENERGY_LEFT], numbers[keeper, LAG_LEFT] = total, lag
     numbers[keeper, MOST_KINETIC] = max(numbers[keeper, MOST_KINETIC], kinetic)
     lost = numbers[keeper, ENERGY_AT_FIRST] - total
     shifted = lost + numbers[keeper, LAG_AT_FIRST] - lag

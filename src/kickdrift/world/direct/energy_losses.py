@@ -51,10 +51,10 @@ from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAM
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
-    FAST_REFINEMENT,
+    FAST_RATE,
     FAST_SINCE,
+    FAST_SUBSTEP,
     FAST_TIME,
-    FAST_TURN,
     GRAVITY,
     SUBSTEPS,
 )
@@ -118,8 +118,8 @@ def note_losses(t: float, h: float, world: int) -> None:
             found = abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world))
         if found:
             settings[0, FAST_BODY], settings[0, FAST_TIME], settings[0, FAST_SINCE] = body, t, since
-            settings[0, FAST_TURN], settings[0, FAST_LOSS] = rate * substep, loss
-            settings[0, FAST_REFINEMENT] = refinement(island, rate * substep, substep, world)
+            settings[0, FAST_RATE], settings[0, FAST_LOSS] = rate, loss
+            settings[0, FAST_SUBSTEP] = substep / refinement(island, rate * substep, substep, world)
             status[0, WARNING] |= TURNS_TOO_FAST
             return
 

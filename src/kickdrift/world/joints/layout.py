@@ -25,7 +25,6 @@ ANGULAR = column(JOINT)  # how angles are
 PIVOT = column(JOINT)  # the axis that this refers to
 LOCKED = column(JOINT)  # set of axes, bit k for axis k: held for good
 LAWS = column(JOINT)  # set of axes: open, and not without force
-BROKEN = column(JOINT)
 PRINCIPAL = column(JOINT)  # the axis that is meant where none is named; NONE
 GEARED_JOINTS = column(JOINT, 2)  # of gears: rows of JOINT; the gear holds its axis PRINCIPAL
 GEARED_AXES = column(JOINT, 2)  # and their axes
@@ -73,7 +72,8 @@ BRAKE = column(JOINT_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kick
 # Of the first joint of an island: its energy since it was last acted upon, see `kickdrift.world.direct.energy_drift`
 ENERGY_AT_FIRST = column(JOINT_NUMBERS, 1, "J")  # kinetic and potential
 LAG_AT_FIRST = column(JOINT_NUMBERS, 1, "J")
-ENERGY_LEFT = column(JOINT_NUMBERS, 1, "J")  # with the lag, after the last step
+ENERGY_LEFT = column(JOINT_NUMBERS, 1, "J")  # after the last step
+LAG_LEFT = column(JOINT_NUMBERS, 1, "J")
 MOST_KINETIC = column(JOINT_NUMBERS, 1, "J")  # zero: not judged in the last step
 MEAN_LOSS = column(JOINT_NUMBERS, 1, "J")  # of the last steps
 JUDGED_SINCE = column(JOINT_NUMBERS, 1, "s")

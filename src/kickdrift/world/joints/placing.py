@@ -202,7 +202,7 @@ def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
     """Return the bodies that each body is connected to by joints with locked axes or limits, without one joint."""
     joints = tables.array(JOINT)
     limits = tables.array(JOINT_AXES)[:, [j.LOWER_LIMIT, j.UPPER_LIMIT]].reshape(-1, 12)
-    holds = (joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.BROKEN] == 0)
+    holds = joints[:, j.JOINT_KIND] != j.REMOVED_JOINT
     holds &= (joints[:, j.LOCKED] != 0) | np.isfinite(limits).any(axis=1)
     holds[without] = False
     found: dict[int, list[int]] = {}

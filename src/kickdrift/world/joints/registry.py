@@ -14,6 +14,7 @@ from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.axis_law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
+from kickdrift.world.joints.breaking import overloaded
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.mass_changes import follow_mass
@@ -157,9 +158,8 @@ class Joints:
         return bool(np.isfinite(self.tables.array(JOINT_NUMBERS)[:, [j.BREAKING_FORCE, j.BREAKING_TORQUE]]).any())
 
     def take_broken(self) -> list[Joint]:
-        """Remove the joints that have broken, and return their handles, which only identify them."""
-        joints = self.tables.array(JOINT)
-        broken = np.flatnonzero((joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.BROKEN] != 0)).tolist()
+        """Remove the joints that the last step has overloaded, and return their handles, which only identify them."""
+        broken = overloaded(self.tables).tolist()
         handles = [self.handle(row) for row in broken]
         for row in broken:
             self._remove_row(row)
@@ -230,7 +230,7 @@ class Joints:
     def _remove_row(self, row: int) -> None:
         wake_bodies(self.tables, row)
         joint = self.tables.array(JOINT)[row]
-        joint[[j.JOINT_KIND, j.BROKEN, j.LOCKED, j.LAWS]] = j.REMOVED_JOINT, 0, 0, 0
+        joint[[j.JOINT_KIND, j.LOCKED, j.LAWS]] = j.REMOVED_JOINT, 0, 0
         self.names.give(row, None)
         self.tables.version += 1
         self.arranged = False

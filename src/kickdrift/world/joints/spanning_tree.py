@@ -60,7 +60,7 @@ def _edges(tables: Tables) -> list[_Edge]:
     """Joints that hold something that moves; a body that nothing moves is -1."""
     joints = tables.array(JOINT)
     moves: NDArray[np.bool_] = np.any(tables.array(INVERSE_MASS)[:, :7] != 0.0, axis=1)
-    there = np.flatnonzero((joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.BROKEN] == 0))
+    there = np.flatnonzero(joints[:, j.JOINT_KIND] != j.REMOVED_JOINT)
     edges = []
     for joint in there.tolist():
         a, b = (int(body) if moves[body] else j.NONE for body in joints[joint, [j.BODY_A, j.BODY_B]])
