@@ -1,7 +1,7 @@
 """Steps done in parts: where more happens in a step than its search for contacts can know, it is halved as often as it takes.
 
 A part is a step of its own, with a search at its start. Substeps stay as they are, as long as a part has a whole one; shorter
-parts are one substep each. Forces of joints are means over all parts.
+parts are one substep each. Forces of joints are means over all parts, the residual is the largest.
 """
 
 from collections.abc import Callable
@@ -10,9 +10,10 @@ import numpy as np
 
 from kickdrift.core.errors import KickdriftError
 from kickdrift.world.joints.layout import TOTAL
+from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.snapshot import kept, put_back
 from kickdrift.world.step_status import HALVINGS, MIDWAY
-from kickdrift.world.tables import JOINT_NUMBERS, LOAD, STEP_STATUS, Tables
+from kickdrift.world.tables import JOINT_NUMBERS, LOAD, SETTINGS, STEP_STATUS, Tables
 
 
 def do_parts(do_part: Callable[[int, int], bool], tables: Tables) -> None:
@@ -28,17 +29,18 @@ def do_parts(do_part: Callable[[int, int], bool], tables: Tables) -> None:
     before, part, parts = kept(tables), 0, 2
     loads, status = before["LOAD"], tables.row(STEP_STATUS, 0)
     forces = tables.array(JOINT_NUMBERS)[:, TOTAL : TOTAL + 6]
-    mean = np.zeros_like(forces)
+    mean, settings, residual = np.zeros_like(forces), tables.row(SETTINGS, 0), 0.0
     try:
         while part < parts:
             tables.put(LOAD, loads)
             status[HALVINGS] = parts.bit_length() - 1
             if do_part(part, parts):
                 mean += forces / parts
+                residual = max(residual, settings[RESIDUAL])
                 part += 1
             else:
                 part, parts = 2 * part, 2 * parts
-        forces[:] = mean
+        forces[:], settings[RESIDUAL] = mean, residual
     except BaseException as error:
         put_back(tables, before)
         if isinstance(error, KickdriftError):
