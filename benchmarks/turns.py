@@ -1,5 +1,6 @@
 """Measuring in turns, so that what else the machine does falls on all contestants alike."""
 
+import gc
 from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
@@ -17,7 +18,9 @@ def in_turns(contestants: Mapping[str, Callable[[], float]], rounds: int) -> Cos
         Each does its work once and returns its cost, such as nanoseconds per step.
     rounds : int
         How often each comes. Every other round goes backwards, so that a machine that slows down steadily favours none;
-        one round before the first is thrown away, because it compiles and fills caches.
+        one round before the first is thrown away, because it compiles and fills caches. The garbage of a contestant is
+        collected before the next one begins, and not while one measures, as in `timeit`: a collection takes 5 ms with all
+        peers loaded, and falls on whoever allocates the thousandth object.
     """
     costs: dict[str, list[float]] = {name: [] for name in contestants}
     for measure in contestants.values():
@@ -25,8 +28,17 @@ def in_turns(contestants: Mapping[str, Callable[[], float]], rounds: int) -> Cos
     for round_ in range(rounds):
         names = list(contestants)
         for name in names if round_ % 2 == 0 else reversed(names):
-            costs[name].append(contestants[name]())
+            costs[name].append(_without_collections(contestants[name]))
     return {name: np.array(values) for name, values in costs.items()}
+
+
+def _without_collections(measure: Callable[[], float]) -> float:
+    gc.collect()
+    gc.disable()
+    try:
+        return measure()
+    finally:
+        gc.enable()
 
 
 def ratio(costs: Costs, one: str, other: str) -> NDArray[np.float64]:
