@@ -67,7 +67,9 @@ class StreamedTimes(StreamedRows):
     @property
     def _wanted(self) -> Floats:
         """Times of the rows."""
-        return self.grid.times if isinstance(self.grid, Grid) and self.grid.wanted is None else self.grid.wanted  # type: ignore[return-value]
+        if self.grid.wanted is not None:
+            return self.grid.wanted
+        return self.grid.times if isinstance(self.grid, Grid) else np.zeros(0)
 
     def _progress(self) -> dict[str, NDArray[Any]]:
         """Return the number of rows in the store, and what they took."""
