@@ -252,10 +252,10 @@ def test_memory_stays_as_it_is(tmp_path, monkeypatch):
         tracemalloc.stop()
         return peak
 
-    short, long = most(300.0), most(3000.0)
+    short, long = most(300.0), most(6000.0)
     assert long < 2.0 * short
-    assert opened(tmp_path / "3000.0").sizes["time"] == 192_001
-    assert long < 0.2 * 192_001 * 32
+    assert opened(tmp_path / "6000.0").sizes["time"] == 384_001
+    assert long < 0.2 * 384_001 * 32
 
 
 def test_what_would_not_fit_in_memory_says_so_and_names_the_way_out(tmp_path):
