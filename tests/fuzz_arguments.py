@@ -20,8 +20,8 @@ from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
 from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.joints.axis import Axis, Drive, Motor
-from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.cone import Cone

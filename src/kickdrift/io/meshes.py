@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
-from kickdrift.world.recording import Recording
+from kickdrift.world.recordings.recording import Recording
 
 FORMS = "obj", "glb"
 

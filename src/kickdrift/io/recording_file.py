@@ -8,7 +8,7 @@ import numpy as np
 from kickdrift.core import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.solution_file import arrays_of, header_of, members
-from kickdrift.world.recording import Appearance, DrawnCloth, DrawnShape, Recording, Rod
+from kickdrift.world.recordings.recording import Appearance, DrawnCloth, DrawnShape, Recording, Rod
 
 
 def save_recording(recording: Recording, path: str | Path) -> Path:

@@ -15,6 +15,7 @@ from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
+from kickdrift.world.bodies.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.cloth.layout import CLOTH_GENERATION
 from kickdrift.world.cloth.winds import force_or_wind_of
 from kickdrift.world.integrity import check
@@ -22,7 +23,6 @@ from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, REMOVED, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.layout import GENERATION as BODY_GENERATION
-from kickdrift.world.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.snapshot import TABLES, Snapshot, kept
 from kickdrift.world.tables import BODY, CLOTH, JOINT, JOINT_NUMBERS, LINK_NUMBERS, PLACE, SHAPE, Table, Tables

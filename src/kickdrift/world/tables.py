@@ -50,7 +50,7 @@ GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 CONTACT = Table(12, 8, whole=True)
 MANIFOLD = Table(13, 72)
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
-STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step_status`
+STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step.status`
 EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
@@ -85,7 +85,7 @@ IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.conta
 BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step
 STARTED_MOTION = Table(33, MOTION.width)
-STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.rollback`
+STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.step.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
 SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_path`

@@ -8,11 +8,11 @@ from numpy.typing import ArrayLike
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.arguments import choice, direction, unit_quaternion, vector
+from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.cloth.fabric import Fabric, fabric_of
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.mesh import cloth_mesh, grid
 from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.tables import Tables

@@ -59,7 +59,7 @@ from kickdrift.world.settings import SLEEP_SPEED
 from kickdrift.world.shapes.kinds import SPHERE, TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import direction, number, vector
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
 from kickdrift.world.cloth.layout import PARTICLE_MASS, PARTICLE_VELOCITY
 from kickdrift.world.handle import Handle
 

@@ -15,7 +15,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
-from kickdrift.world.cloth.crossings import stop_crossings
+from kickdrift.world.cloth.continuous_collision import stop_crossings
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     FIRST_PARTICLE,
@@ -37,11 +37,11 @@ from kickdrift.world.cloth.pair_impulses import begin_interval, hold_pairs, reso
 from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
 from kickdrift.world.cloth.particle_lanes import drift_particles, fill_lanes, kick_by_forces
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
-from kickdrift.world.cloth.swept import find_strays, set_frame, travels
+from kickdrift.world.cloth.swept_bounds import find_strays, set_frame, travels
 from kickdrift.world.cloth.wind import add_wind
 from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
-from kickdrift.world.step_status import report_cloth
+from kickdrift.world.step.status import report_cloth
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,

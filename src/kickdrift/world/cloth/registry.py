@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.atomic import alone, undivided
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.coupling_tables import put_couplings
 from kickdrift.world.cloth.fabric import Fabric

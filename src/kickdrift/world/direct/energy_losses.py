@@ -25,7 +25,7 @@ from kickdrift.world.direct.layout import (
     GIVEN_UP,
 )
 from kickdrift.world.direct.node_selection import body_of
-from kickdrift.world.direct.refinement import LONG_TURN, refinement
+from kickdrift.world.direct.substep_estimate import LONG_TURN, refinement
 from kickdrift.world.direct.velocities import energy_of
 from kickdrift.world.joints.kinematics import axis_unit
 from kickdrift.world.joints.layout import (
@@ -58,7 +58,7 @@ from kickdrift.world.settings import (
     GRAVITY,
     SUBSTEPS,
 )
-from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
+from kickdrift.world.step.status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
     DELTA_POSE,

@@ -31,7 +31,7 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.position_correction import repair
-from kickdrift.world.direct.refinement import LONG_TURN
+from kickdrift.world.direct.substep_estimate import LONG_TURN
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART

@@ -8,8 +8,8 @@ from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
 from kickdrift.world.joints.fixed import Fixed

@@ -68,7 +68,7 @@ MISALIGNMENT = column(JOINT_NUMBERS, 6, "m, rad")  # of locked axes, as it would
 SOLVED = column(JOINT_NUMBERS, 6, "N s, N m s")  # the part of JOINT_IMPULSE that was given before the drift
 PULL = column(JOINT_NUMBERS, 3, "N s")  # linear impulse of the last substeps, a mean
 RATES = column(JOINT_NUMBERS, 2)  # of gears, see `Geared`
-BRAKE = column(JOINT_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.swing_damping`
+BRAKE = column(JOINT_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.geometric_stiffness`
 # Of the first joint of an island: its energy since it was last acted upon, see `kickdrift.world.direct.energy_drift`
 ENERGY_AT_FIRST = column(JOINT_NUMBERS, 1, "J")  # kinetic and potential
 LAG_AT_FIRST = column(JOINT_NUMBERS, 1, "J")

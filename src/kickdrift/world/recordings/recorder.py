@@ -12,8 +12,8 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
-from kickdrift.world.recorded_cloths import RecordedCloths
-from kickdrift.world.recording import Recording, appearance
+from kickdrift.world.recordings.recorded_cloths import RecordedCloths
+from kickdrift.world.recordings.recording import Recording, appearance
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

@@ -3,7 +3,7 @@
 At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search: at its end,
 at ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is done
 again; the search knows then how these bodies move. What was found once stays found, so that each time more is known. Where
-paths have more corners than the search can know of, the step is halved (see `kickdrift.world.subdivision`), until no part
+paths have more corners than the search can know of, the step is halved (see `kickdrift.world.step.subdivision`), until no part
 misses any. What is missed in the shortest parts is said.
 """
 
@@ -55,7 +55,7 @@ from kickdrift.world.layout import (
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
-from kickdrift.world.step_status import (
+from kickdrift.world.step.status import (
     BEGIN_AGAIN,
     DO_IN_PARTS,
     HALVINGS,

@@ -4,8 +4,8 @@ import math
 import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.direct.refinement import LONG_TURN
+from kickdrift.world.bodies.registry import Bodies
+from kickdrift.world.direct.substep_estimate import LONG_TURN
 from kickdrift.world.settings import (
     BOUNCING_TIME,
     FAST_BODY,
@@ -21,7 +21,7 @@ from kickdrift.world.settings import (
     UNSOLVED_BODY,
     UNSOLVED_SINCE,
 )
-from kickdrift.world.step_status import (
+from kickdrift.world.step.status import (
     BOUNCING_BODY,
     LEFT_BOUNCING,
     LEFT_UNSOLVED,
@@ -35,7 +35,7 @@ from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
 def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
     """Issue the warnings that stages have found, unless they were issued before.
 
-    `found` and `said` are sets of bits of `kickdrift.world.step_status.WARNING`. Their union is written to the tables, so that
+    `found` and `said` are sets of bits of `kickdrift.world.step.status.WARNING`. Their union is written to the tables, so that
     compiled code does not return for it again; the world keeps it as well, since restoring a snapshot resets the tables.
     """
     tables.array(STEP_STATUS)[0, SAID] = found | said
