@@ -100,10 +100,11 @@ FIRST = column(ARTICULATION)  # the first
 LINKS = column(ARTICULATION)  # how many links
 CLOSINGS = column(ARTICULATION)  # how many closing joints after them
 END = column(ARTICULATION)  # row after the last one of them; FIRST while the articulation sleeps
-SEQUENTIAL = column(ARTICULATION)  # 1: its joints are solved one after the other, and its bodies are no nodes
+SEQUENTIAL = column(ARTICULATION)  # 1: its joints are solved one after the other, an island that is only judged
 
 # Columns of GRAPH
 JOINED_ROWS = column(GRAPH)  # rows of LINK that joints have; after them come bodies that have none
+DIRECT_ISLANDS = column(GRAPH)  # rows of ISLAND that are solved directly; after them come those that are not
 
 # Columns of LINK
 LINK_BODY = column(LINK)
