@@ -1,9 +1,9 @@
 """
-Double pendulums part
-=====================
+Diverging double pendulums
+==========================
 
 Ten double pendulums begin with angles that differ by a hundred-thousandth of a degree. For nine seconds they look like one,
-then they part. The equations come from the Lagrangian, by SymPy.
+then they separate. SymPy derives the equations from the Lagrangian.
 """
 
 import matplotlib.pyplot as plt

@@ -3,7 +3,8 @@ Sinai's billiard
 ================
 
 A ball without friction on a table, in the middle of which stands a round post. Two shots that differ by a millionth of a
-radian are apart by the size of the table after a dozen bounces: round walls spread what hits them, and flat ones do not (Sinai 1970).
+radian are apart by the size of the table after a dozen bounces: round walls make neighbouring paths diverge, and flat ones do
+not (Sinai 1970).
 """
 
 import matplotlib.pyplot as plt

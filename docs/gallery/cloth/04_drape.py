@@ -2,8 +2,8 @@
 A cloth over a ball
 ===================
 
-A square of cotton falls over a ball and lies on it in folds. How it bends, hangs and stretches is given by stiffnesses in N/m and N m; the mesh
-and the steps hardly matter.
+A square of cotton falls over a ball and lies on it in folds. Stiffnesses in N/m and N m determine how it bends, hangs and
+stretches; the mesh and the steps hardly matter.
 """
 
 import numpy as np

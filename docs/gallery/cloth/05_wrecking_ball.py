@@ -2,8 +2,9 @@
 A wrecking ball
 ===============
 
-Twenty rods of 1 kg and a ball of a thousand. Solvers that go from joint to joint let such a chain stretch like rubber; solved
-at once, as one island, it keeps its length. The ball breaks through a wall of 28 stones, which costs it half of its height.
+A chain of twenty rods of 1 kg carries a ball of 1000 kg. Solvers that treat one joint after the other let such a chain
+stretch like rubber; solved simultaneously, as one island, it keeps its length. The ball breaks through a wall of 28 stones,
+which costs it half of its height.
 """
 
 import numpy as np

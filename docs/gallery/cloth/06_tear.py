@@ -2,8 +2,8 @@
 A ball through a sheet
 ======================
 
-A ball of 2 kg flies at 8 m/s into a sheet that tears where it is stretched by a quarter of its length. The tear begins where the ball hits,
-and runs out to both sides, across the pull between the bars that hold the sheet above and below.
+A ball of 2 kg flies at 8 m/s into a sheet that tears where it is stretched by a quarter of its length. The tear begins where
+the ball hits, and runs to both sides, perpendicular to the tension between the bars that hold the sheet above and below.
 """
 
 import numpy as np

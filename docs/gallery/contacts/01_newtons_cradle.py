@@ -2,8 +2,8 @@
 Newton's cradle
 ===============
 
-Five steel balls hang side by side. Two are raised, and two fly off at the other side, no matter how they touch: the blow is passed on ball by
-ball, each impact at its moment.
+Five steel balls hang side by side. Two are raised, and two fly off at the other side, even though all of them touch: the blow
+passes from ball to ball, and each impact happens at its own time within the step.
 """
 
 import matplotlib.pyplot as plt

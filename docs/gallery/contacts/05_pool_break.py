@@ -3,7 +3,7 @@ The break
 =========
 
 Fifteen balls in a triangle, a millimetre and a half apart, and the cue ball at 8 m/s. Pool balls have a restitution of 0.93,
-and rolling resistance of the cloth stops them (Alciatore, The Illustrated Principles of Pool and Billiards).
+and the rolling resistance of the cloth stops them (Alciatore, The Illustrated Principles of Pool and Billiards).
 """
 
 import numpy as np

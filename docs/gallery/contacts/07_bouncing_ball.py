@@ -1,10 +1,10 @@
 """
-A ball that bounces
-===================
+A bouncing ball
+===============
 
 A ball of restitution 0.8 is thrown over a floor with friction. Each bounce leaves 0.64 of the height and takes less time; in the
-end infinitely many of them fit into a finite time, and the ball rolls. Impacts are found at their moments within a step, so that
-a step of 1/60 s is as good as any.
+end infinitely many of them fit into a finite time, and the ball rolls. Impacts are located within the step, so that a step of
+1/60 s is as good as any.
 """
 
 import matplotlib.pyplot as plt

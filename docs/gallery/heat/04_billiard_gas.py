@@ -2,9 +2,9 @@
 Disks become a gas
 ==================
 
-Sixty disks in a box, all of them at first with the same speed. They collide, and after some collisions each their speeds have Maxwell's
-distribution, which in the plane is :math:`\\frac{v}{T} e^{-v^2 / 2T}`. Nothing is random here but the start: each collision is found
-at its moment, and keeps energy and momentum.
+Sixty disks in a box have the same speed at first. After some collisions of each, their speeds have Maxwell's distribution,
+which in the plane is :math:`\\frac{v}{T} e^{-v^2 / 2T}`. Only the start is random here: each collision is located in time, and
+conserves energy and momentum.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,9 @@
 Steps for a comet
 =================
 
-Halley's comet goes around once in 76 years, and passes the Sun in months, at an eccentricity of 0.967. Equal steps that are
-short enough there are wasted elsewhere. Steps that depend on the distance, chosen reversibly, keep what the symmetric method
-keeps: the energy error does not grow from one return to the next.
+Halley's comet returns every 76 years, and passes the Sun within months, at an eccentricity of 0.967. Equal steps that are
+short enough there are wasted elsewhere. With steps that depend reversibly on the distance, the symmetric method keeps its
+bounded energy error: it does not grow from one return to the next.
 """
 
 import matplotlib.pyplot as plt

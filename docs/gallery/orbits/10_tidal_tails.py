@@ -2,8 +2,8 @@
 Two galaxies meet
 =================
 
-Two centres of mass, each with a disk of stars that have none, pass each other on a parabola. Bridges and tails are drawn out of the
-disks by gravity alone: the classic of Toomre and Toomre (1972), which explained the Antennae and the Mice.
+Two point masses, each surrounded by a disk of massless stars, pass each other on a parabola. Bridges and tails are drawn out
+of the disks by gravity alone: the classic of Toomre and Toomre (1972), which explained the Antennae and the Mice.
 """
 
 import matplotlib.pyplot as plt

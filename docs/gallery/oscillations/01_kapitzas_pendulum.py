@@ -2,7 +2,7 @@
 Kapitza's pendulum
 ==================
 
-A pendulum whose support shakes up and down stands on its head, if it shakes fast enough: where its speed exceeds
+A pendulum whose support shakes up and down fast enough stands on its head, if the speed of the support exceeds
 :math:`\\sqrt{2 g l}` (Stephenson 1908, Kapitza 1951). With 20 cm of length, that is 2 m/s. Shaken at 40 Hz by 10 mm, up to 2.5 m/s, it
 swings about the upright position; by 7 mm, up to 1.8 m/s, it falls over to the other side, and to and fro.
 """

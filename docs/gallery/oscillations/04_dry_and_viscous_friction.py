@@ -2,9 +2,10 @@
 Dry and viscous friction
 ========================
 
-A block on a spring loses its swing in two ways. Viscous friction takes the same part of it in every swing: an
-exponential. Dry friction, which is the same at any speed, takes the same length, :math:`4 \\mu N / k`: a straight line, and an
-end. The dry force jumps where the block turns around; steps end there (``switches=``), so that a method of order four keeps its order.
+A block on a spring loses its amplitude in two ways. Viscous friction removes the same fraction of it in every period: an
+exponential. Dry friction, which is the same at any speed, removes the same length, :math:`4 \\mu N / k`: a straight line, and
+an end. The dry force jumps where the block turns around; steps end there (``switches=``), so that a method of order four
+keeps its order.
 """
 
 import matplotlib.pyplot as plt

@@ -4,7 +4,7 @@ The pendulum wave
 
 Fifteen pendulums side by side, so long that in a minute the first swings 51 times and the last 65 times. Released together, they
 make waves that run, stand, and dissolve, and after a minute all of them are together again. Angles are small here, 5
-degrees, and yet not so small that it does not matter: a pendulum of this amplitude is 0.05 % late, and so the meeting is, by 0.03 s.
+degrees, and yet large enough to matter: at this amplitude, periods are 0.05 % longer, and so all pendulums meet 0.03 s late.
 """
 
 import matplotlib.pyplot as plt

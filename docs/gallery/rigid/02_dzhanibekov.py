@@ -2,9 +2,9 @@
 Dzhanibekov's wing nut
 ======================
 
-A wing nut that spins free of weight turns over, back, and over again, as the cosmonaut Dzhanibekov saw in 1985: rotation about
-the axis of the middle moment of inertia is not stable. About the other two axes it is. Energy and angular momentum are
-conserved all the while.
+A wing nut that spins in weightlessness turns over, back, and over again, as the cosmonaut Dzhanibekov saw in 1985: rotation
+about the axis of the intermediate moment of inertia is unstable. About the other two axes it is stable. Energy and angular
+momentum are conserved all the while.
 """
 
 import matplotlib.pyplot as plt

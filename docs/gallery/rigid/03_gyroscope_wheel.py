@@ -2,8 +2,9 @@
 A wheel on a rope
 =================
 
-A bicycle wheel hangs by one end of its axle, and does not tip over as long as it spins: weight turns the axle sideways, with :math:`m g l / I
-\\omega`. The lecture's classic, with a wheel of 3 kg whose axle hangs on a ball joint, and which begins with the speed that goes with it.
+A bicycle wheel hangs by one end of its axle, and does not tip over as long as it spins: its weight turns the axle sideways,
+at the rate :math:`m g l / I \\omega`. This classic of lectures has a wheel of 3 kg whose axle hangs on a ball joint, and
+which begins with that rate of precession.
 """
 
 import numpy as np

@@ -77,7 +77,7 @@ class InterpretedWarning(UserWarning):
 
 
 class UnsolvedWarning(UserWarning):
-    """The solver of a world has left contacts unsolved for so long, or lost so much energy, that results are unreliable."""
+    """Results of a world may be unreliable: contacts or impacts were left unsolved or missed, or joints lost energy."""
 
 
 def unknown_name(argument: str, value: object, known: Iterable[str]) -> UnknownNameError:

@@ -281,7 +281,7 @@ class Solution:
         return self.presenters.save(self, path)
 
     def to_pandas(self) -> Any:
-        """Return a `pandas.DataFrame` with a row a time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``."""
+        """Return a `pandas.DataFrame`, one row per time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``."""
         return self.presenters.to_pandas(self)
 
     def to_xarray(self) -> Any:

@@ -30,8 +30,8 @@ class Mesh(NamedTuple):
 def load_mesh(path: str | Path) -> Mesh:
     """Read the triangles of an OBJ, glTF, PLY or STL file, for a cloth: ``world.add_cloth(*kd.load_mesh("shirt.obj"))``.
 
-    Several meshes of a file become one. Vertices in one place are one, as files repeat those whose normals or textures differ;
-    those that no triangle has are left out.
+    All meshes of a file become one. Coincident vertices are merged, since files repeat those whose normals or textures differ;
+    unused vertices are left out.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ class Robot(NamedTuple):
     ----------
     world : World
     bodies : mapping of str to Body
-        By their names in the file; bodies fixed to each other are one. What is fixed to the world is static.
+        By their names in the file; bodies fixed to each other are one, and bodies fixed to the world are static.
     joints : mapping of str to Joint
         By their names in the file; several hinges and slides on one body may be one joint. Floating bodies have none.
     axes : mapping of str to int

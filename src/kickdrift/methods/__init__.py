@@ -123,9 +123,13 @@ def preferred(kind: Kind, order: int | None = None) -> Method:
     Parameters
     ----------
     kind : Kind
-        What moves.
+        Kind of the problem.
     order : int, optional
         The lowest order wanted; by default the fastest method, or nearly so, for errors between 1e-3 and 1e-9 at the end.
+
+    Returns
+    -------
+    Method
 
     Raises
     ------

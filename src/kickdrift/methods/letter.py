@@ -8,6 +8,39 @@ from kickdrift.core.kinds import Kind
 class Letter(Enum):
     """A flow; the value is its name in the engine.
 
+    Attributes
+    ----------
+    KICK, DRIFT
+        Advance v under the acceleration at constant x, and x at constant v.
+    ADJOINT_KICK, ADJOINT_DRIFT
+        The same with the acceleration at the new v, and the rate of x at the new x: implicit.
+    LINEARLY_IMPLICIT_KICK
+        A kick that solves one linear system with the derivative of the acceleration with respect to v.
+    GRADIENT_KICK
+        A kick with a multiple of the gradient of the squared acceleration added.
+    DAMP
+        The exact decay of v by linear damping.
+    ROTATE, BORIS_ROTATE
+        Rotations of v about a magnetic field, by the exact angle and by Boris' formula.
+    THERMOSTAT, NOISE
+        Friction with the noise that balances it, and noise alone, on v.
+    KEPLER
+        The exact motion of each body in its Kepler problem.
+    ENCOUNTERS
+        A step of planets that resolves close encounters.
+    OSCILLATE, FILTERED_KICK
+        The exact motion of linear oscillators, and a kick filtered at their frequencies.
+    SUBSTEPS
+        Steps of Stoermer-Verlet under the fast force.
+    CONSTRAIN_POSITIONS, CONSTRAIN_VELOCITIES
+        Projections onto the constraints, and onto their tangent space.
+    DOUBLED_KICK, DOUBLED_DRIFT, DOUBLED_BINDING
+        The flows of Tao's doubled phase space: of both halves of the Hamiltonian, and of the binding of the copies.
+    RUNGE_KUTTA, IMPLICIT_RUNGE_KUTTA, STIFF_RUNGE_KUTTA
+        A step by a tableau: explicit, implicit, and implicit with an error estimate, for stiff equations.
+    EXTRAPOLATION
+        Symmetric steps of order 2, extrapolated to a step size of zero.
+
     Examples
     --------
     >>> from kickdrift.methods import Letter

@@ -77,7 +77,7 @@ def preferred(kind: Kind, order: int | None, catalogue: dict[str, Method]) -> Me
     Parameters
     ----------
     kind : Kind
-        What moves.
+        Kind of the problem.
     order : int or None
         The order wanted; None for the fastest.
     catalogue : dict of str to Method

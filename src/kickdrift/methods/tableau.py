@@ -140,9 +140,9 @@ class Tableau:
 
     @property
     def numbers(self) -> NDArray[np.float64]:
-        """What the engine reads: s, the nodes, a and b for x, a and b for v, and `onward`, matrices row by row.
+        """The data for the engine: s, the nodes, a and b for x, a and b for v, and `onward`, matrices row by row.
 
-        After them, of a stiffly accurate tableau, `embedded`; and at the end `error_weights`, if there are.
+        After them, of a stiffly accurate tableau, `embedded`; and at the end `error_weights`, if there are any.
 
         Time is one of the positions: its nodes are those of x.
         """

@@ -20,7 +20,7 @@ def word(*letters: tuple[Letter, Weight]) -> Word:
 
 
 def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
-    """Spell a word of two letters in turns: kicks and drifts, unless `second` says otherwise.
+    """Spell a word of two alternating letters: kicks and drifts, unless `second` is given.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None 
 
 
 def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word:
-    """Spell a word of kicks and drifts in turns by the weights of `first` and of the other, each without the last.
+    """Spell a word of alternating kicks and drifts by the weights of `first` and of the other letter, each without the last.
 
     The two left out follow from the sums, so that time advances by exactly one step whatever the rounding of the printed
     digits.
@@ -52,10 +52,10 @@ def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word
 
 
 def palindrome(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
-    """Spell a symmetric word of two letters in turns by its first half, without the last weight of each letter.
+    """Spell a symmetric word of two alternating letters by its first half, without the last weight of each letter.
 
-    The two left out follow from the sums: half of 1 for the letter beside the middle, 1 for the letter in it. What
-    printed digits leave over so goes to the middle, and the clock is exact.
+    These two weights follow from the sums of 1 for each letter, so that time advances by exactly one step whatever the
+    rounding of the printed digits.
 
     Examples
     --------

@@ -35,10 +35,14 @@ _PLANETS = {
 
 
 def benchmarks_game() -> System:
-    """Make the n-body problem of the Benchmarks Game; the state has shape (5, 3).
+    """Create the n-body problem of the Benchmarks Game; the state has shape (5, 3).
 
     The Sun moves so that the total momentum is zero. With the default method and a step of 0.01 the energy is
     -0.169075164 at the start and -0.169087605 after 1000 steps.
+
+    Returns
+    -------
+    System
 
     Examples
     --------

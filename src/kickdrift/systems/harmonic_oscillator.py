@@ -32,6 +32,10 @@ def harmonic_oscillator(omega: float = 1.0, x0: float = 1.0, v0: float = 0.0) ->
     x0, v0 : float
         Start.
 
+    Returns
+    -------
+    System
+
     Raises
     ------
     ArgumentError

@@ -52,6 +52,10 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     mu : float
         Gravitational parameter. The period is 2 pi sqrt(semi_major_axis^3 / mu).
 
+    Returns
+    -------
+    System
+
     Raises
     ------
     ArgumentError

@@ -128,6 +128,10 @@ def nbody(
         for bit, for any number of threads. Worthwhile from some 500 bodies on, on otherwise idle cores. Processes forked
         from one that has used threads run on one thread.
 
+    Returns
+    -------
+    System
+
     Raises
     ------
     ArgumentError

@@ -29,6 +29,10 @@ def outer_solar_system(splitting: str = "jacobi") -> System:
     splitting : str
         As for `planetary`.
 
+    Returns
+    -------
+    System
+
     Examples
     --------
     >>> import kickdrift as kd

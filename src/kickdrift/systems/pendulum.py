@@ -34,6 +34,10 @@ def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
     omega : float
         sqrt(g / l), the angular frequency of small swings.
 
+    Returns
+    -------
+    System
+
     Raises
     ------
     ArgumentError

@@ -61,6 +61,10 @@ def planetary(
         their masses and move together from then on, with the velocity of their centre of mass and the sum of their volumes;
         `kickdrift.analysis.mergers` lists the mergers, their times and the kinetic energy lost.
 
+    Returns
+    -------
+    System
+
     Raises
     ------
     ArgumentError

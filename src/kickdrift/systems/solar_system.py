@@ -85,6 +85,10 @@ def solar_system(bodies: Sequence[str] | None = None, splitting: str | None = No
         As for `planetary`, which then creates the system: list the Sun first, and leave out the Moon, whose orbit around the
         Sun is strongly perturbed by the Earth.
 
+    Returns
+    -------
+    System
+
     Raises
     ------
     ArgumentError

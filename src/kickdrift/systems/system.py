@@ -29,7 +29,7 @@ class Quantity:
     size : int
         1 for a scalar such as the energy, 3 for a vector in space.
     unit : str
-        Its unit, empty for none.
+        Its unit, empty if unknown.
     params : (P,) array, optional
         What the function gets as `params`, where they are not those of the system.
     scale : float, optional
@@ -65,7 +65,7 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A mechanical system x' = velocity, v' = acceleration, with a start.
+    """A mechanical system x' = velocity, v' = acceleration, with an initial state.
 
     All functions are ``function(t, x, v, params, out)`` over one-dimensional arrays, however the state is shaped.
 
@@ -76,11 +76,11 @@ class System:
     acceleration : callable
         Writes v'.
     x0, v0 : array
-        Start, in the shape that the solution has. For Hamiltonians they are q and p; a first-order system has no v.
+        Initial state, in the shape that the solution has. For Hamiltonians they are q and p; a first-order system has no v.
     params : (P,) array
-        What the functions get as `params`.
+        The argument `params` of the functions.
     quantities : mapping of str to Quantity
-        What is conserved; ``"energy"`` among them where there is one.
+        Conserved quantities; ``"energy"`` is one of them if the system has an energy.
     exact : callable, optional
         ``exact(t)`` for an array of times, shape (T,), returns x and v, shape (T, *shape).
     kick : callable, optional
@@ -90,17 +90,17 @@ class System:
     kind : Kind
         The form of the equations.
     velocity : callable, optional
-        Writes x', where it is not v.
+        Writes x', if it is not v.
     parts : mapping of str to callable
         Further functions that flows call, by the names in `kickdrift.engine.flows.layout`; ``"remainder"`` among them
-        is the acceleration that is left to the kicks where another flow has the rest, and ``"jump"`` the rate of x
-        that is left to them, under which that acceleration does not change.
+        is the acceleration of the kicks where another flow has the rest of the dynamics, and ``"jump"`` the rate of x that
+        belongs to them, under which that acceleration does not change.
     frame : Frame, optional
-        The coordinates in which the remainder and the other flow work, where they are not those of x0.
+        The coordinates of the remainder and of the other flow, if they are not those of x0.
     density : callable, optional
-        Writes one number, how many steps there should be in a unit of time, but for a factor: positive, and the same for -v.
+        Writes the step density, one number: the steps per unit of time, up to a factor; positive, and even in v.
     unthreaded : callable, optional
-        The acceleration for processes that have no threads to share it among, where `acceleration` needs them.
+        The acceleration for processes without threads, if `acceleration` uses threads.
     native : bool
         Whether all these functions are compiled; False for Python functions that Numba cannot compile.
     packaged : bool
@@ -112,13 +112,13 @@ class System:
     units : mapping of str to str
         Units of ``"t"``, ``"x"`` and ``"v"``.
     source : str
-        Where equations and numbers are from.
+        Source of the equations and numbers.
     gm : (N,) array, optional
-        Of bodies that attract each other G times their masses; of one around a fixed centre that of the centre.
+        G times the masses of bodies that attract each other; for a body around a fixed centre, that of the centre.
     radii : (N,) array, optional
-        Of bodies that merge where they touch.
+        Radii of bodies that merge on contact.
     quantity_units : Units, optional
-        The units of its numbers, where it was made of quantities.
+        The units of its numbers, if it was created from quantities.
 
     Examples
     --------

@@ -73,12 +73,12 @@ def view_world(
 
 
 class LivePage:
-    """A page on which a world lives: see `view_world`.
+    """A page that shows a running world, see `World.view`.
 
     Attributes
     ----------
     url : str
-        Where it is.
+        Its address.
     """
 
     def __init__(self, world: World, step: float, control: Callable[[], object] | None, port: int) -> None:
@@ -101,7 +101,7 @@ class LivePage:
         self._thread.start()
 
     def wait(self) -> None:
-        """Wait until the page is closed from elsewhere, or Ctrl-C, which closes it."""
+        """Wait until Ctrl-C, which closes the page, or until it is closed elsewhere."""
         try:
             while not self._ended.wait(0.5):  # on Windows Ctrl-C does not end a wait without an end
                 pass
@@ -110,7 +110,7 @@ class LivePage:
         self.close()
 
     def close(self) -> None:
-        """Stop the world where it is, and the server; what has ended the page before, an error, is raised."""
+        """Stop the world and the server; an error that ended the page earlier is raised."""
         atexit.unregister(self.close)
         self._ended.set()
         self._thread.join()

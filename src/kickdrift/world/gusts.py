@@ -23,23 +23,23 @@ _C = tuple(
 
 
 def gusts(mean: ArrayLike, intensity: float = 0.2, length: float = 5.0, seed: int = 0) -> Function:
-    """Make a gusting wind for `World.add_wind`: a mean wind that carries turbulence along.
+    """Create a gusty wind for `World.add_wind`: a mean wind that carries turbulence along.
 
-    It is a sum of waves across which the air moves, so that none of it is compressed (Kraichnan, Diffusion by a random
-    velocity field, Phys. Fluids 13 (1970) 22), with the spectrum of von Karman, which falls as the wave number to the power
-    of -5/3. They go with the mean wind, and change as they do so (Fung et al., Kinematic simulation of homogeneous turbulence
-    by unsteady random Fourier modes, J. Fluid Mech. 236 (1992) 281).
+    The turbulence is a sum of transverse waves, so that the velocity field has no divergence (Kraichnan, Diffusion by a random
+    velocity field, Phys. Fluids 13 (1970) 22), with von Karman's spectrum, which falls as the wave number to the power of
+    -5/3. The waves move with the mean wind and evolve in time (Fung et al., Kinematic simulation of homogeneous turbulence by
+    unsteady random Fourier modes, J. Fluid Mech. 236 (1992) 281).
 
     Parameters
     ----------
     mean : (3,) array_like
-        m/s.
+        Velocity of the mean wind, m/s.
     intensity : float
         Root mean square of the fluctuation of each component over the mean speed: 0.1 over the sea, 0.3 among houses.
     length : float
-        Of the gusts, m: how far they reach along the wind.
+        Integral length scale of the turbulence along the wind, m.
     seed : int
-        Zero or more; another one is another wind.
+        At least 0; each seed yields another wind.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def gusts(mean: ArrayLike, intensity: float = 0.2, length: float = 5.0, seed: in
     Raises
     ------
     ArgumentError
-        For numbers that cannot be.
+        For numbers that are not finite, a negative intensity or seed, or a length that is not positive.
 
     Examples
     --------

@@ -66,9 +66,9 @@ class World(
     >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1.1), density=1000.0, restitution=0.8)
     >>> recording = world.run(duration=2.0, step=1 / 60)
 
-    Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and what touches them, form
-    islands that are solved directly, with all of their joints and contacts at once; so are small heaps on which the sweeps
-    do not converge.
+    Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and the bodies in contact with
+    them, form islands that are solved directly, all joints and contacts of an island at once. So are small heaps on which
+    the sweeps do not converge.
 
     Parameters
     ----------
@@ -86,9 +86,9 @@ class World(
         Frequency and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15 over
         the substep, the stiffest that does not disturb high stacks.
     push_speed : float
-        The largest speed at which they are pushed apart, m/s. Bodies on top of several that are pushed at once get faster:
-        with 3 m/s four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s, with 1.5 m/s none exceeds 4
-        m/s.
+        The largest speed at which overlapping bodies are pushed apart, m/s. Bodies on top of a pushed stack become faster:
+        four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s with 3 m/s; with 1.5 m/s none exceeds
+        4 m/s.
     bounce_speed : float, optional
         Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity or the forces
         on them add in a substep.
@@ -97,15 +97,15 @@ class World(
         has moved faster than `sleep_speed`, m/s, for `sleep_time`, s; and all cloths, once all of them are. Off by
         default, because it removes their remaining kinetic energy.
     sleep_speed, sleep_time : float
+        See `sleeping`.
     threads : bool
         Whether contacts are distributed over Numba's threads (``numba.set_num_threads``). The bits are the same for any
         number of threads. Worthwhile from some thousand bodies on, on otherwise idle cores. Processes forked from one that
         has used threads run on one thread.
     plane_normal : (3,) array_like, optional
-        Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. They feel of
-        walls that are oblique to the plane the normal within it, and the friction of a wedge in its groove; what is nearly
-        parallel to the plane is a floor, on which they slide with friction. Ropes and rods keep the depths of
-        their ends.
+        Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. Walls oblique to
+        the plane push bodies within it, with the friction of a wedge in its groove. Surfaces nearly parallel to the plane
+        are floors, on which bodies slide with friction. The ends of ropes and rods keep their distances from the plane.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class World(
     gravity, substeps, sleeping
         As above; each may be set between steps.
     residual : float
-        What the last step left unsolved: the largest normal speed at points that press on each other, m/s, read-only.
+        The largest normal speed at points that press on each other, which the solver left in the last step, m/s; read-only.
     time : float
         s.
     broken : list of Joint
@@ -221,15 +221,15 @@ class World(
         ------
         ArgumentError
             For a step that is not positive and finite.
-        KickdriftError
+        LostBodyError
             If a body is lost to infinity; the world is then restored to its state before the step.
 
         Warns
         -----
         UnsolvedWarning
-            Once if joints lose energy because bodies turn too far in a substep, once if a body has rested for seconds on
-            contacts that the solver leaves unsolved, and once if a body may have passed through what it met; the message
-            says what would help.
+            Each kind once per world: if joints lose energy because bodies turn too far in a substep, if a body has rested
+            for seconds on contacts that the solver leaves unsolved, if a body may have passed through another, and if
+            impacts had no end. The message names the substeps or the step that would suffice.
 
         Examples
         --------

@@ -27,14 +27,14 @@ class Fabric:
     density : float
         Mass per area, kg/m^2.
     thickness : float
-        m; vertices keep half of it away from shapes. Bodies narrower than its triangles pass between vertices.
+        m; vertices keep a distance of half of it from shapes. Bodies narrower than its triangles pass between vertices.
     stretch_stiffness, shear_stiffness : float
-        Tension per strain along warp and weft, and shear force per shear angle, both per metre of width, N/m.
+        Tension per strain along warp and weft, and shear force per shear angle, both per metre of width: N/m.
     bending_stiffness : float
-        Moment per curvature, per metre of width, N m.
+        Moment per curvature, per metre of width: N m.
     damping : float
-        Retardation time of the strains, s: forces are those of the strains so much later. It is reduced to what the step
-        allows, which the message of a recording tells.
+        Retardation time of a Kelvin-Voigt solid, s: forces belong to the strains plus this time times their rates. Where the
+        step is too long for it, it is reduced, and the message of a recording reports that.
     linear_damping : float
         Rate at which velocities decay, 1/s.
     friction : float
