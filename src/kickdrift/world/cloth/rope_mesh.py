@@ -81,4 +81,5 @@ def stretch_rate(lengths: Floats, stiffness: float, masses: Floats) -> float:
 def rope_masses(lengths: Floats, density: float) -> Floats:
     """Return the masses of vertices, (N,), kg: half of those of their segments."""
     halves = 0.5 * density * lengths
-    return np.append(halves, 0.0) + np.append(0.0, halves)
+    total: Floats = np.append(halves, 0.0) + np.append(0.0, halves)
+    return total
