@@ -149,7 +149,9 @@ def join(rng, world, bodies, places, mass, size):
         case 6:
             world.add_distance_joint(*bodies, **ends)
         case 7:
-            world.add_rope(*bodies, **ends, length=rng.uniform(0.8, 2) * float(np.linalg.norm(places[1] - places[0])))
+            world.add_rope_joint(
+                *bodies, **ends, length=rng.uniform(0.8, 2) * float(np.linalg.norm(places[1] - places[0]))
+            )
         case _:
             world.add_spring(*bodies, **ends, hertz=10 ** rng.uniform(-0.5, 1.3), damping_ratio=rng.uniform(0, 1))
 

@@ -157,6 +157,6 @@ class AddsJoints:
     add_universal_joint = _adds(Universal)
     add_six_dof_joint = _adds(SixDof)
     add_distance_joint = _adds(Distance)
-    add_rope = _adds(Rope)
+    add_rope_joint = _adds(Rope)
     add_spring = _adds(Spring)
     add_gear = _couples(Gear)
