@@ -328,6 +328,21 @@ def test_any_number_of_threads_gives_the_same_bits(threads, monkeypatch):
     assert runs[0].x.tobytes() == runs[1].x.tobytes()
 
 
+def test_threads_get_as_many_tasks_each(monkeypatch):
+    """Five tasks on two threads would take as long as six."""
+    monkeypatch.setattr(running, "_TASK", 256 * 100)
+    sizes, run = [], running.Runs._run_in_lanes
+
+    def noted(self, cohort, *given):
+        sizes.append(cohort.indices.size)
+        run(self, cohort, *given)
+
+    monkeypatch.setattr(running.Runs, "_run_in_lanes", noted)
+    x, v = starts(5 * 256)
+    kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, step=0.03, threads=2)
+    assert sorted(sizes) == [200, 216, 216, 216, 216, 216]
+
+
 def test_a_member_that_fails_is_marked_and_the_others_finish():
     def escape(x):
         return np.array([x[0] ** 3, -x[1]])
