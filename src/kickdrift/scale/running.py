@@ -108,8 +108,9 @@ class Runs:
             self._done += steps
 
     def _split(self, run: Callable[..., None], cohort: Cohort, size: int, *given: Any) -> Iterator[Task]:
-        """Cut a cohort into tasks, of so many members at most, and so that all threads have some."""
-        size = min(size, _rounded_up(-(-cohort.indices.size // self._threads)))
+        """Cut a cohort into tasks, of so many members at most, and as many for each thread."""
+        tasks = -(-cohort.indices.size // (size * self._threads)) * self._threads
+        size = min(size, _rounded_up(-(-cohort.indices.size // tasks)))
         for first in range(0, cohort.indices.size, size):
             yield partial(run, Cohort(cohort.indices[first : first + size], cohort.grid), *given)
 
