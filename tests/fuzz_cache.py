@@ -13,6 +13,7 @@ from pathlib import Path
 import hostile
 import numba
 import numpy as np
+from forking import forked
 
 import kickdrift as kd
 
@@ -28,7 +29,7 @@ def run(folder):
     """Do so in a process of its own; return what it has written, and its exit status."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place) / "x"
-        process = hostile.forked(solved, folder, path)
+        process = forked(solved, folder, path)
         process.join()
         return path.read_bytes() if path.exists() else b"", process.exitcode
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import hostile
 import numpy as np
 import xarray as xr
+from forking import forked
 
 import kickdrift as kd
 
@@ -162,7 +163,7 @@ def given(kind, folder):
     """Return what a run gives, in a process of its own: this one starts others, and runs nothing itself."""
     with tempfile.TemporaryDirectory() as place:
         path = Path(place) / "arrays.npz"
-        process = hostile.forked(written, kind, folder, path)
+        process = forked(written, kind, folder, path)
         process.join()
         if process.exitcode:
             raise RuntimeError(f"{kind}: the process ended with {process.exitcode}")
@@ -189,7 +190,7 @@ def attempt(seed):
         folder = Path(name)
         while killed < wanted:
             before = newest(folder) if (folder / "run").exists() else ""
-            process = hostile.forked(KINDS[kind], folder)
+            process = forked(KINDS[kind], folder)
             time.sleep(rng.uniform(0.0, longest))
             done_before = not process.is_alive()
             process.kill()

@@ -41,20 +41,22 @@ def test_a_sideways_import_would_be_caught(tmp_path):
     assert done.returncode == 1, done.stdout + done.stderr
 
 
-def test_importing_kickdrift_imports_nothing_heavy_and_changes_no_warning_filter():
-    filters, *modules = python(
-        "import numpy, numba, sys, warnings; a = list(warnings.filters); import kickdrift;"
-        "print(a == warnings.filters, *sys.modules)"
-    ).split()
+def test_nothing_is_imported_before_it_is_needed_and_no_warning_filter_changes():
+    filters, imported, solved, dropped, tabled = python(
+        "import numpy, numba, sys, warnings; filters = list(warnings.filters); import kickdrift as kd;"
+        "print(filters == warnings.filters); print(*sys.modules);"
+        "kd.solve(lambda x: -x, (0, 1), 1.0, 0.0, step=0.1, compile=False); print(*sys.modules);"
+        "kd.World().add_sphere(radius=1.0); dop853 = kd.methods.get('dop853'); print(*sys.modules);"
+        "dop853.tableau(); print(*sys.modules)"
+    ).splitlines()
     assert filters == "True"
-    assert {"numpy", "kickdrift"} <= set(modules)
-    assert {"matplotlib", "scipy.special", "xarray", "typer", "pydantic", "pandas"}.isdisjoint(modules)
-
-
-def test_a_world_without_cloth_imports_no_matrices():
-    modules = python("import kickdrift as kd, sys; kd.World().add_sphere(radius=1.0); print(*sys.modules)").split()
-    assert "kickdrift.world.cloth.vibration" in modules
-    assert "scipy.sparse" not in modules
+    assert {"numpy", "kickdrift"} <= set(imported.split())
+    heavy = {"matplotlib", "scipy.special", "xarray", "typer", "pydantic", "pandas", "astropy", "pint"}
+    assert heavy.isdisjoint(imported.split())
+    assert {"astropy", "pint", "pandas"}.isdisjoint(solved.split())  # which only quantities with units need
+    assert "kickdrift.world.cloth.vibration" in dropped.split()
+    assert {"scipy.sparse", "scipy.integrate"}.isdisjoint(dropped.split())  # of cloths, and of the table of dop853
+    assert "scipy.integrate" in tabled.split()
 
 
 def test_promised_names_are_there():

@@ -2,13 +2,13 @@
 
 import math
 import os
+import resource
 import signal
-import subprocess
-import sys
 import threading
 
 import numpy as np
 import pytest
+from forking import FORK, elsewhere, forked
 from killing import killed_after
 
 import kickdrift as kd
@@ -324,25 +324,16 @@ def test_a_file_that_cannot_be_written_ends_the_run_with_what_is_done(tmp_path, 
     same(solve(tmp_path / "run"), solve())
 
 
-FULL = """
-import resource, sys, kickdrift as kd
-from test_checkpoints import solve
-resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))
-part = solve(sys.argv[1], save_every=1)
-print(part.status.name, part.n_steps)
-"""
+def with_short_files(folder):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY))
+    part = solve(folder, save_every=1)
+    return part.status.name, part.n_steps
 
 
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # of Python 3.12, where there are threads
 def test_a_disk_that_is_full_ends_the_run_and_leaves_the_checkpoints_whole(tmp_path):
     """A limit on the size of files stands for the disk: rows beyond it are cut short on their way."""
-    done = subprocess.run(
-        [sys.executable, "-c", FULL, str(tmp_path / "run")],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.split() == ["NOT_WRITTEN", "2500"]
+    assert elsewhere(with_short_files, tmp_path / "run") == ("NOT_WRITTEN", 2500)
     assert files(tmp_path / "run") == ["step-000000000001500.npz", "step-000000000002000.npz"]
     same(solve(tmp_path / "run", save_every=1), solve(save_every=1))
 
@@ -426,30 +417,30 @@ def test_two_runs_at_once_in_a_folder_are_refused(tmp_path, monkeypatch):
     same(solve(tmp_path / "run"), solve())
 
 
-HOLDS = """
-import sys
-from test_checkpoints import checkpoints, solve
-write = checkpoints.Checkpoints.write
-def waiting(self, step, *arguments):
-    write(self, step, *arguments)
-    print("written", flush=True)
-    sys.stdin.readline()
-checkpoints.Checkpoints.write = waiting
-solve(sys.argv[1])
-"""
+def hold(folder, written):
+    """Run until there is a checkpoint, and wait."""
+    write = checkpoints.Checkpoints.write
+
+    def waiting(self, step, *arguments):
+        write(self, step, *arguments)
+        written.send(True)
+        signal.pause()
+
+    checkpoints.Checkpoints.write = waiting
+    solve(folder)
 
 
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # of Python 3.12, where there are threads
 def test_another_process_is_refused_until_it_is_killed(tmp_path):
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])}
-    command = [sys.executable, "-c", HOLDS, str(tmp_path / "run")]
-    with subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
-        assert holder.stdout.readline() == b"written\n"
-        with pytest.raises(kd.ArgumentError, match=f"in use by a run of process {holder.pid} on "):
-            solve(tmp_path / "run")
-        holder.kill()
-        holder.wait()
-        assert (tmp_path / "run" / ".lock").exists()
-        on = solve(tmp_path / "run")
+    read, written = FORK.Pipe(duplex=False)
+    holder = forked(hold, tmp_path / "run", written)
+    assert read.recv()
+    with pytest.raises(kd.ArgumentError, match=f"in use by a run of process {holder.pid} on "):
+        solve(tmp_path / "run")
+    holder.kill()
+    holder.join()
+    assert (tmp_path / "run" / ".lock").exists()
+    on = solve(tmp_path / "run")
     assert "It resumed from step 500" in on.message
     same(on, solve())
     assert not (tmp_path / "run" / ".lock").exists()

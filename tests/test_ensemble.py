@@ -4,8 +4,6 @@ import dataclasses
 import math
 import os
 import signal
-import subprocess
-import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -13,6 +11,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from forking import forked
 from vector_instructions import needs_wide_vectors, packed
 
 import kickdrift as kd
@@ -387,34 +386,26 @@ def test_ctrl_c_keeps_what_is_done(monkeypatch):
     assert "did not start" in sol.messages[-1]
 
 
-KILLED = """
-import sys, numpy as np, kickdrift as kd
-from kickdrift.scale import running
-running._TASK = 1
-noise = np.random.default_rng(0).normal(size=(64 * 30, 2))
-kepler = kd.systems.kepler()
-sol = kd.solve_ensemble(kepler, (0.0, 100.0), kepler.x0 + 0.01 * noise, step=1e-3, save_every=50_000, progress=False,
-                        threads=1, checkpoint=sys.argv[1], checkpoint_every=64)
-sol.save(sys.argv[2])
-"""
+def to_be_killed(folder):
+    noise, kepler = np.random.default_rng(0).normal(size=(64 * 30, 2)), kd.systems.kepler()
+    options = {"step": 1e-3, "save_every": 50_000, "threads": 1, "checkpoint": folder, "checkpoint_every": 64}
+    return kd.solve_ensemble(kepler, (0.0, 100.0), kepler.x0 + 0.01 * noise, **options)
 
 
-def test_an_ensemble_that_is_killed_goes_on_with_the_same_bits(tmp_path):
-    def begin(name):
-        return subprocess.Popen([sys.executable, "-c", KILLED, tmp_path / name, tmp_path / f"{name}.npz"])
-
-    assert begin("whole").wait() == 0
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # of Python 3.12, where there are threads
+def test_an_ensemble_that_is_killed_goes_on_with_the_same_bits(tmp_path, monkeypatch):
+    monkeypatch.setattr(running, "_TASK", 1)
     folder, kills = tmp_path / "killed", 0
     for _ in range(3):
         before = {path.name for path in folder.glob("*.npz")} if folder.exists() else set()
-        run = begin("killed")
-        while run.poll() is None and not (folder.exists() and {p.name for p in folder.glob("step*.npz")} - before):
+        run = forked(to_be_killed, folder)
+        while run.is_alive() and not (folder.exists() and {p.name for p in folder.glob("step*.npz")} - before):
             time.sleep(0.005)
         run.kill()
-        kills += run.wait() < 0
+        run.join()
+        kills += run.exitcode < 0
     assert kills >= 1
-    assert begin("killed").wait() == 0
-    whole, killed = kd.load(tmp_path / "whole.npz"), kd.load(tmp_path / "killed.npz")
+    whole, killed = to_be_killed(tmp_path / "whole"), to_be_killed(folder)
     for name in ("x", "v", "n_steps", "n_force_evaluations"):
         assert getattr(whole, name).tobytes() == getattr(killed, name).tobytes()
     assert whole.messages == killed.messages

@@ -1,5 +1,6 @@
 """The recipes of CONTRIBUTING: each is followed to the letter in a copy of the package, which then does what it says."""
 
+import importlib.util
 import json
 import os
 import re
@@ -41,6 +42,13 @@ def compiled_code(folder):
     return Path(numba.config.CACHE_DIR, place).glob("*.nbc")
 
 
+def bytecode(folder):
+    """Files of bytecode of the modules in a folder of the package, wherever Python keeps them."""
+    if sys.pycache_prefix is None:
+        return []
+    return Path(importlib.util.cache_from_source(str(folder / "__init__.py"))).parent.glob("*.pyc")
+
+
 class House:
     """A copy of the package, with the compiled code that there is, in which only files named by a recipe change."""
 
@@ -48,10 +56,11 @@ class House:
         self.folder, self.recipe = folder, recipe(name)
         shutil.copytree(PACKAGE, folder / "kickdrift", copy_function=link)
         for source in {path.parent for path in PACKAGE.rglob("__init__.py")}:
-            for file in compiled_code(source):
+            for file in (*compiled_code(source), *bytecode(source)):
                 beside = folder / "kickdrift" / source.relative_to(PACKAGE) / "__pycache__" / file.name
                 beside.parent.mkdir(exist_ok=True)
-                link(file, beside)
+                if not beside.exists():
+                    link(file, beside)
 
     def add(self, path, text):
         """Write a new file in a folder that the recipe names."""
@@ -69,7 +78,7 @@ class House:
 
     def run(self, code):
         """What a process with this package says at the end, as JSON."""
-        environment = {**os.environ, "PYTHONPATH": str(self.folder), "NUMBA_CACHE_DIR": ""}
+        environment = {**os.environ, "PYTHONPATH": str(self.folder), "NUMBA_CACHE_DIR": "", "PYTHONPYCACHEPREFIX": ""}
         command = [sys.executable, "-W", "error", "-c", "import json, kickdrift as kd\n" + code]
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=300, check=False, env=environment, cwd=self.folder
@@ -237,7 +246,7 @@ def test_a_new_shape(house):
     with_message = subprocess.run(
         [sys.executable, "-c", "import kickdrift.world.collision"],
         capture_output=True, text=True, check=False, cwd=house.folder,
-        env={**os.environ, "PYTHONPATH": str(house.folder)},
+        env={**os.environ, "PYTHONPATH": str(house.folder), "PYTHONPYCACHEPREFIX": ""},
     )  # fmt: skip
     assert "There is no contact function for triangle and bead" in with_message.stderr
     others = ("TRIANGLE", "SPHERE", "CAPSULE", "BOX", "HULL", "CYLINDER", "CONE", "10")

@@ -1,15 +1,15 @@
 """Rows that go to disk while a run goes on: xarray reads them at any moment, and memory stays as it is."""
 
 import math
-import os
+import resource
 import signal
-import subprocess
 import sys
 import tracemalloc
 
 import numpy as np
 import pytest
 import xarray as xr
+from forking import elsewhere
 from killing import killed_after
 
 import kickdrift as kd
@@ -401,32 +401,23 @@ def test_without_zarr_one_is_told_how_to_install_it(tmp_path, monkeypatch):
         solve(tmp_path / "run.zarr")
 
 
-FULL = """
-import resource, sys, kickdrift as kd
-from kickdrift.engine import zarr_store
-zarr_store._CHUNK = 100 * 16
-write = zarr_store.ZarrStore.append
-def limited(self, *arguments):
-    if self.rows == 300:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (500, resource.RLIM_INFINITY))
-    write(self, *arguments)
-zarr_store.ZarrStore.append = limited
-from test_streaming import solve
-part = solve(sys.argv[1])
-print(part.status.name, part.n_steps)
-"""
+def on_a_full_disk(path):
+    write = zarr_store.ZarrStore.append
+
+    def limited(self, *arguments):
+        if self.rows == 300:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (500, resource.RLIM_INFINITY))
+        write(self, *arguments)
+
+    zarr_store.ZarrStore.append = limited
+    part = solve(path)
+    return part.status.name, part.n_steps
 
 
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # of Python 3.12, where there are threads
 def test_a_disk_that_is_full_ends_the_run_and_leaves_what_was_written(tmp_path):
     """A limit on the size of files stands for the disk."""
-    done = subprocess.run(
-        [sys.executable, "-c", FULL, str(tmp_path / "run.zarr")],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.split() == ["NOT_WRITTEN", str(3 * 399)]
+    assert elsewhere(on_a_full_disk, tmp_path / "run.zarr") == ("NOT_WRITTEN", 3 * 399)
     assert np.array_equal(opened(tmp_path / "run.zarr").x, solve().x[:300])
 
 

@@ -139,18 +139,6 @@ def test_masses_in_units(u):
     assert number(sol.x, u.m) == pytest.approx([1.0, 0.5, -0.5])
 
 
-def test_without_units_nothing_is_imported():
-    import subprocess
-    import sys
-
-    code = (
-        "import sys, kickdrift as kd; kd.solve(lambda x: -x, (0, 1), 1.0, 0.0, step=0.1, compile=False);"
-        " print([name for name in ('astropy', 'pint', 'pandas') if name in sys.modules])"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
-
-
 def test_what_judges_and_draws_solutions_takes_them_with_units(u, small_pictures):
     problem = kd.SecondOrder(spring, energy=lambda x, v: 0.5 * (x @ x + v @ v))
     given = (0 * u.s, 20 * u.s), [1 * u.m, 0.002 * u.km], [0 * u.m / u.s, 0 * u.m / u.s]
