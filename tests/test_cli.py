@@ -289,7 +289,7 @@ REFUSED = {
     ("run", "kepler", "--output", "/proc/kickdrift"): ["--output='/proc/kickdrift'", "cannot be written"],
     ("view", "pyramd"): ["TARGET='pyramd'", "'pyramid'"],
     ("view", "kepler"): ["is a system", "kickdrift run kepler"],
-    ("view", "notes.txt"): ["TARGET='notes.txt'", "no file to view", ".npz"],
+    ("view", "notes.txt"): ["TARGET='notes.txt'", "cannot be viewed", ".npz"],
     ("view", "missing.npz"): ["missing.npz", "No such file"],
     ("view", "notes.npz"): ["notes.npz", "is not a kickdrift solution"],
     ("view", "missing.xml"): ["missing.xml", "No such file"],

@@ -243,8 +243,8 @@ class Solution:
             )
         if self.continuation is None:
             raise KickdriftError(
-                "this solution was read from a file or sent from another process, without its equations; solve with"
-                " checkpoint='folder' what is to be continued in another process."
+                "this solution was read from a file or sent from another process, without its equations; to continue a run in"
+                " another process, solve with checkpoint='folder'."
             )
         return self.continuation(t)
 

@@ -126,12 +126,12 @@ class AddsCloths:
         """
         sides, counts = vector("size", size, 2), np.asarray(vertices)
         if not (sides > 0.0).all():
-            raise ArgumentError(f"size={size!r} has to be positive, in m.")
+            raise ArgumentError(f"size={size!r} must be positive, in m.")
         if counts.shape != (2,) or counts.dtype.kind not in "iu" or (counts < 2).any():
-            raise ArgumentError(f"vertices={vertices!r} have to be two whole numbers, each two or more.")
+            raise ArgumentError(f"vertices={vertices!r} must be two whole numbers of at least 2.")
         count = int(counts[0]) * int(counts[1])
         if count > _MOST_VERTICES:
-            raise ArgumentError(f"vertices={vertices!r} are {count}, more than {_MOST_VERTICES}; give fewer.")
+            raise ArgumentError(f"vertices={vertices!r} make {count}, more than {_MOST_VERTICES}; give fewer.")
         turn = rotation_matrix(unit_quaternion("orientation", orientation))
         points, triangles = grid(int(counts[0]), int(counts[1]), (float(sides[0]), float(sides[1])))
         centred = points - [0.5 * sides[0], 0.5 * sides[1], 0.0]

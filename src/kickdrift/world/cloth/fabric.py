@@ -71,7 +71,7 @@ class Fabric:
             value = number(name, getattr(self, name), unit, zero=name not in _POSITIVE)
             if value > _LARGEST or 0.0 < value < _SMALLEST:
                 zero = "" if name in _POSITIVE else "zero or "
-                raise ArgumentError(f"{name}={value!r} has to be {zero}from {_SMALLEST:g} to {_LARGEST:g} {unit}.")
+                raise ArgumentError(f"{name}={value!r} must be {zero}from {_SMALLEST:g} to {_LARGEST:g} {unit}.")
             object.__setattr__(self, name, value)
 
 
@@ -86,5 +86,5 @@ def fabric_of(options: Mapping[str, Any]) -> Fabric:
     known = [field.name for field in fields(Fabric)]
     unknown = [name for name in options if name not in known]
     if unknown:
-        raise ArgumentError(f"{unknown[0]}= is no option of a cloth; there are {', '.join(known)}.")
+        raise ArgumentError(f"{unknown[0]}= is not an option of a cloth; the options are {', '.join(known)}.")
     return Fabric(**options)

@@ -159,7 +159,9 @@ class Cloths:
     def row(self, cloth: Cloth, argument: str = "cloth") -> int:
         """Return the row of an existing cloth; ArgumentError if it was removed, or is not of this world."""
         if not isinstance(cloth, Cloth) or cloth.registry is not self:
-            raise ArgumentError(f"{argument}={cloth!r} is no cloth of this world; give what World.add_cloth returned.")
+            raise ArgumentError(
+                f"{argument}={cloth!r} is not a cloth of this world; give a handle from World.add_cloth."
+            )
         index = cloth.index
         if not self.knows(index, cloth.generation):
             raise ArgumentError(f"{argument}={cloth!r} was removed; use an existing cloth.")
@@ -269,10 +271,10 @@ class Cloths:
         """Return the rows of vertices, without repetition; ArgumentError for invalid ones."""
         count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))
         if chosen.dtype.kind not in "iu" or chosen.ndim != 1:
-            raise ArgumentError(f"vertices={vertices!r} have to be whole numbers, those of vertices of the cloth.")
+            raise ArgumentError(f"vertices={vertices!r} must be whole numbers, indices of vertices of the cloth.")
         wrong = chosen[(chosen < 0) | (chosen >= count)]
         if wrong.size:
-            raise ArgumentError(f"vertex {wrong[0]} is none of the cloth's, which are those from 0 to {count - 1}.")
+            raise ArgumentError(f"vertex {wrong[0]} does not exist; the cloth has the vertices 0 to {count - 1}.")
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
 
 
