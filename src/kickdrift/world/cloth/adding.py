@@ -77,7 +77,7 @@ class AddsCloths:
         made_of, mesh = fabric_of(fabric), cloth_mesh(vertices, triangles)
         meets_itself = choice("self_collision", self_collision)
         cloth = self.cloths.add(mesh, made_of, direction("warp", warp), name, meets_itself)
-        self.shape_rows.kinds |= {SPHERE}  # which particles are to other shapes
+        self.shape_rows.kinds |= {SPHERE}  # particles meet other shapes as spheres
         self.tables.altered = True
         return cloth
 

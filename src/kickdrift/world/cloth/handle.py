@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
-_FASTEST = 1e6  # m/s, of winds: their squares, and what follows from these, are finite
+_FASTEST = 1e6  # m/s: the largest wind, whose square and forces are finite
 
 
 class Cloth(Handle):

@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 def put_mesh(tables: Tables, row: int, mesh: ClothMesh, masses: Floats, at_rest: Floats) -> None:
-    """Give a cloth vertices, which lie as those of a mesh do, and triangles.
+    """Give a cloth the vertices of a mesh, at their positions, and its triangles.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ def put_mesh(tables: Tables, row: int, mesh: ClothMesh, masses: Floats, at_rest:
 
 
 def put_triangles(tables: Tables, row: int, mesh: ClothMesh) -> None:
-    """Write which vertices the triangles of a cloth have, as many as there are."""
+    """Write the vertices of the triangles of a cloth, whose number does not change."""
     faces = rows_of(tables, row, c.FIRST_FACE, FACE)
     faces[:, c.CORNERS : c.CORNERS + 3] = mesh.triangles + tables.array(CLOTH)[row, c.FIRST_PARTICLE]
     faces[:, c.OWNED] = owned(mesh.triangles)
 
 
 def mesh_in(tables: Tables, row: int) -> ClothMesh:
-    """Return the mesh of a cloth as it is without tension."""
+    """Return the mesh of a cloth at rest."""
     rest = rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE_REST)[:, :3].copy()
     corners = rows_of(tables, row, c.FIRST_FACE, FACE)[:, c.CORNERS : c.CORNERS + 3]
     return cloth_mesh(rest, corners - tables.array(CLOTH)[row, c.FIRST_PARTICLE])

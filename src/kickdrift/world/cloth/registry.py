@@ -91,7 +91,7 @@ class Cloths:
     def remove(self, cloth: Cloth) -> None:
         """Remove a cloth; see `World.remove_cloth`."""
         row = self.row(cloth)
-        repr(cloth)  # errors call by its name what is gone
+        repr(cloth)  # its name is kept for later errors
         remove_range(self.tables, row)
         names = self.names.all()
         self.names.replace({k - (k > row): name for k, name in names.items() if k != row})
@@ -126,7 +126,7 @@ class Cloths:
         return int(split.parents.size)
 
     def _changed(self) -> None:
-        """Wake all, and have everything that depends on the vertices prepared again."""
+        """Wake everything, and request that all data that depend on the vertices are prepared again."""
         self._arranged, self._substep = -1, 0.0
         self._bodies.wake()
         self.wake()
@@ -205,7 +205,7 @@ class Cloths:
         """Set a property by its name, and wake bodies and cloths."""
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
-        self.tables.altered = True  # of whether it can tear the loop of the steps depends
+        self.tables.altered = True  # the loop of the steps depends on whether it can tear
         self._bodies.wake()
         self.wake()
 

@@ -67,8 +67,10 @@ def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Float
     masses : (N,) array
         kg.
 
-    Notes ----- Curvature changes by H dx - c dn. The first term is that of a flat cloth; the change of the normal is bounded by
-    the gradient of the displacement, n x (opposite side) / (2 A) for each corner.
+    Notes
+    -----
+    Curvature changes by H dx - c dn. The first term is that of a flat cloth; the change of the normal is bounded by the
+    gradient of the displacement, n x (opposite side) / (2 A) for each corner.
     """
     roots = np.sqrt(areas)[:, None, None]
     highest = _highest(bending.rows * roots, bending.stencils, masses)

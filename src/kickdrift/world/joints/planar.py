@@ -11,11 +11,11 @@ from kickdrift.world.joints.record import Placement, frame_along
 from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.tables import SETTINGS, Tables
 
-_OBLIQUE = 1e-6  # square of the sine of an angle up to which directions are the same but for rounding
+_OBLIQUE = 1e-6  # square of the sine of an angle up to which directions differ by rounding only
 
 
 def within_plane(placement: Placement, tables: Tables) -> Placement:
-    """Return what a joint is in the plane that the bodies of a world move in, if they do.
+    """Return a joint restricted to the plane in which the bodies of a world move, if it is planar.
 
     Points connected by a rod or a rope keep their distance across the plane, so that the one within it counts.
 
