@@ -53,7 +53,7 @@ from kickdrift.world.tables import (
 _ROUNDS = 310
 # Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
 _APART = 300
-_SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave 5e-5 of the approach, for a mass ratio of 1000
+_SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave a relative residual of 5e-5, for a mass ratio of 1000
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FAR = 1e10  # m, as a gap
