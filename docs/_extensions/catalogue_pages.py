@@ -97,10 +97,10 @@ The argument `method=` of {{obj}}`kickdrift.solve` takes the names in these tabl
 The word lists the flows of a step, first to last, each with its share of the step: `K` is a kick, `D` a drift, and the other
 letters are in {{obj}}`kickdrift.methods.Letter`. The measured order is the slope of the error over the step on the problem
 named above each table, from the four smallest steps whose errors are above rounding. From order 8 on, few steps lie
-between those that are too large and those whose error is rounding, so that the slope is inaccurate there: the test suite measures
-these words in extended precision. For methods for planets, the numbers in brackets are the orders of the parts of the error
-that are proportional to the masses of the planets, to their square, and so on. For Langevin dynamics the order is that of
-averages.
+between those that are too large and those whose error is rounding, so that the slope is inaccurate there: the test suite
+measures these words in extended precision. For methods for planets, the numbers in brackets are the orders of the parts of the
+error that are proportional to the masses of the planets, to their square, and so on. For Langevin dynamics the order is that
+of averages.
 """
 
 
