@@ -25,7 +25,7 @@ import pytest
 from hypothesis import settings
 
 from kickdrift.core.parallel_compile import compile_together, missing
-from kickdrift.world.compiling import all_jobs
+from kickdrift.world.step.compiling import all_jobs
 
 settings.register_profile("fixed", derandomize=True)
 settings.register_profile("random", derandomize=False)

@@ -20,8 +20,8 @@ from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
 from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.joints.axis import Axis, Drive, Motor
-from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.cone import Cone
@@ -145,7 +145,7 @@ OF_WORLDS = {
     "add_body": {"shapes": Sphere(0.1), "mass": None, "inertia": (1, 1, 1), "centre": (0, 0, 0), **OF_BODIES},
     "add_hinge": {"body_a": None, "body_b": "ball 2", "anchor": (2, 0, 2), "axis": (0, 1, 0), "limits": (-1.0, 1.0)},
     "add_ball_joint": {"body_a": None, "body_b": "ball 2", "anchor": (2, 0, 2), "axis": (0, 1, 0), "swing_limit": 1.0},
-    "add_rope": {"body_a": None, "body_b": "ball 2", "anchor_a": (2, 0, 2), "anchor_b": (2, 0, 1), "length": 2.0},
+    "add_rope_joint": {"body_a": None, "body_b": "ball 2", "anchor_a": (2, 0, 2), "anchor_b": (2, 0, 1), "length": 2.0},
     "add_spring": {"body_a": None, "body_b": "ball 2", "anchor_a": (2, 0, 2), "anchor_b": (2, 0, 1), "hertz": 2.0},
     "add_gear": {"joint_a": "hinge", "joint_b": "slider", "ratio": 2.0, "axis_a": None, "axis_b": None},
     "add_force": {"force": attraction},

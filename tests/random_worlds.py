@@ -11,8 +11,8 @@ import numpy as np
 
 import kickdrift as kd
 from kickdrift.core.errors import KickdriftError
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.constraint_error import widest_gap
-from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.hull import Hull
@@ -149,7 +149,9 @@ def join(rng, world, bodies, places, mass, size):
         case 6:
             world.add_distance_joint(*bodies, **ends)
         case 7:
-            world.add_rope(*bodies, **ends, length=rng.uniform(0.8, 2) * float(np.linalg.norm(places[1] - places[0])))
+            world.add_rope_joint(
+                *bodies, **ends, length=rng.uniform(0.8, 2) * float(np.linalg.norm(places[1] - places[0]))
+            )
         case _:
             world.add_spring(*bodies, **ends, hertz=10 ** rng.uniform(-0.5, 1.3), damping_ratio=rng.uniform(0, 1))
 

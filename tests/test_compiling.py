@@ -21,12 +21,12 @@ from kickdrift.core.parallel_compile import _families
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
-from kickdrift.world.compiling import _jobs, all_jobs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
 from kickdrift.world.direct.restitution import bounce_islands
 from kickdrift.world.direct.solve import relax_islands, solve_islands
 from kickdrift.world.shapes.catalogue import RAYS
-from kickdrift.world.step import STAGE
+from kickdrift.world.step.compiling import _jobs, all_jobs
+from kickdrift.world.step.loop import STAGE
 
 INNER = """
 from kickdrift.core.compilation import compiled

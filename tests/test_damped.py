@@ -166,6 +166,25 @@ def test_the_body_of_the_kernel():
     assert np.allclose(v + outs[0], v * np.exp(-0.3 * rates), rtol=1e-15)
 
 
+def test_the_body_of_the_kernel_of_damped_drifts():
+    rates, v = np.array([0.0, 2.0, 2.0, 1e-9, 1e-320, 0.0]), np.array([1.0, 2.0, -3.0, 4.0, 5.0, 6.0])
+    outs = np.full((2, 6), np.nan)
+    damping.coast(0.3, rates, v, outs[0])
+    damping.coast.py_func(0.3, rates, v, outs[1])
+    assert np.array_equal(outs[0], outs[1])
+    times = [0.3, (1 - math.exp(-0.6)) / 2, (1 - math.exp(-0.6)) / 2, 0.3 - 0.045e-9, 0.3, 0.3]
+    assert np.allclose(outs[0], times * v, rtol=1e-15, atol=0)
+
+
+def test_without_damping_the_higher_orders_are_the_words_of_undamped_motion():
+    start = {"t_span": (0.0, 3.0), "x0": 1.2, "v0": 0.7, "step": 0.1, "compensated": False, "compile": False}
+    for order, nystroem in ((4, "blanes-moan-srkn6b"), (6, "blanes-moan-srkn11b")):
+        damped = kd.solve(kd.Damped(driven, damping=0.0), method=WORDS[order], **start)
+        undamped = kd.solve(driven, method=nystroem, **start)
+        assert np.array_equal(damped.x, undamped.x)
+        assert np.array_equal(damped.v, undamped.v)
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [

@@ -407,6 +407,27 @@ def test_a_run_that_slides_resumes_with_the_same_bits(tmp_path):
     assert on.n_force_evaluations == whole.n_force_evaluations
 
 
+@pytest.mark.parametrize(
+    ("force", "switch", "start", "end"),
+    [
+        (lambda t, x, params: 0.2 - t - 0.2 * params[-1], lambda v: v, [0.0, 0.0], -(1.6**3) / 6.0),  # slips at 0.4
+        (lambda t, x, params: 0.2 * np.cos(3.0 * t) - 0.2 * params[-1], lambda v: v, [0.0, 0.0], 0.0),
+        (lambda x, params: -x - 0.2 * params[-1], lambda v: v, [0.2 - 1e-11, 0.0], 0.2),
+        (lambda x, v, params: -x - 0.1 * v * params[-1], lambda x, v: x * x + v * v - 1.0, [1.0, 0.0], np.cos(2.0)),
+        (lambda x, params: -x - 0.2 * params[-1], lambda t, x: x - np.sin(t), [0.0, 1.0], np.sin(2.0)),
+        (lambda x, params: -params[-1] + 0.0 * x, lambda x: x, [0.0, 0.0], 0.0),
+    ],
+    ids=["limit", "limit-cos", "near-limit", "energy", "path", "relay"],
+)
+def test_a_switch_may_touch_the_motion_where_it_begins(force, switch, start, end):
+    """There the rates of one or both sides vanish; the motion stays at the switch, and goes on."""
+    options = {"step": 0.01, "method": "implicit-midpoint", "switches": switch, "compile": False}
+    sol = kd.solve(force, (0.0, 2.0), *start, **options)
+    assert sol.success
+    assert sol.x[-1] == pytest.approx(end, abs=3e-5)
+    assert sol.n_steps < 210
+
+
 def test_sliding_along_a_switch_needs_a_force_linear_in_the_side():
     sol = kd.solve(
         lambda x, params: -x - (0.2 if params[-1] > 0 else -0.2),

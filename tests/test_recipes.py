@@ -340,8 +340,8 @@ def test_a_new_stage(house):
     place = len(Tables().block) // 3 - 1  # the last one is that of the view
     gusts = f"GUSTS = Table({place}, 1, whole=True)  # one row: see `kickdrift.world.wind`\n"
     house.line("world/tables.py", "\n_LAST = ", gusts)
-    house.line("world/stage_order.py", "\nStages = tuple", "from kickdrift.world.wind import blow\n")
-    house.line("world/stage_order.py", "    substep = (\n", "    forces = (*forces, blow)\n")
+    house.line("world/step/stage_order.py", "\nStages = tuple", "from kickdrift.world.wind import blow\n")
+    house.line("world/step/stage_order.py", "    substep = (\n", "    forces = (*forces, blow)\n")
     code = """
 from kickdrift.world.tables import GUSTS
 world = kd.World(gravity=(0.0, 0.0, 0.0))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
-from kickdrift.world.part import Part
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import MOTION, POSE

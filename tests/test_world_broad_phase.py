@@ -36,7 +36,7 @@ from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, VERTICES
-from kickdrift.world.step_status import FULL, LOST_BODY, NOT_FINITE, ROWS_WANTED, STATUS, TABLE
+from kickdrift.world.step.status import FULL, LOST_BODY, NOT_FINITE, ROWS_WANTED, STATUS, TABLE
 
 STEP = 1 / 60
 ALL = (1 << 62) - 1

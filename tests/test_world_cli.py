@@ -64,8 +64,8 @@ def test_quiet_writes_files_only(folder):
 
 
 def test_compiling_is_announced_and_is_no_part_of_the_run(folder, monkeypatch):
-    monkeypatch.setattr("kickdrift.world.compiling.missing", lambda jobs: list(jobs)[:2])
-    monkeypatch.setattr("kickdrift.world.compiling.seconds_for", lambda jobs: 12.0)
+    monkeypatch.setattr("kickdrift.world.step.compiling.missing", lambda jobs: list(jobs)[:2])
+    monkeypatch.setattr("kickdrift.world.step.compiling.seconds_for", lambda jobs: 12.0)
     result = call("run", "bouncing-disk", "--duration", 0.1)
     lines = result.stderr.splitlines()
     assert re.fullmatch(

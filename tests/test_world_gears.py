@@ -310,7 +310,7 @@ def test_gears_that_cannot_be(match, change):
     world.remove_joint(gone)
     joints = {
         "first": first, "gear": gear, "gone": gone, "elsewhere": two_wheels()[1],
-        "rope": world.add_rope(*bodies, anchor_a=(0, 5, 0), anchor_b=(1, 5, 0), length=2.0),
+        "rope": world.add_rope_joint(*bodies, anchor_a=(0, 5, 0), anchor_b=(1, 5, 0), length=2.0),
         "ball": world.add_ball_joint(None, bodies[0], anchor=(0, 5, 0)),
     }  # fmt: skip
     given = {"joint_a": first, "joint_b": second, "ratio": 2.0, **change}

@@ -202,7 +202,7 @@ JOINTS = {
     "add_universal_joint": {"axis_b": [(1, 1, 0), (0, 0, 0)], "about_a": [3.0, None, kd.Axis(locked=True)]},
     "add_six_dof_joint": {"linear": [3, (1, 2, 3), (kd.Axis(),)], "swing_limit": ["x", -1.0], "axis_y": [(1, 0, 0)]},
     "add_distance_joint": {"anchor_b": [(0, 0, 0)], "length": [0.0, -1.0, NAN, "long"]},
-    "add_rope": {"length": [-1.0, INF]},
+    "add_rope_joint": {"length": [-1.0, INF]},
     "add_spring": {"stiffness": [0.0, -1.0], "hertz": [0.0, NAN, "A"], "damping_ratio": [-1.0, 1.0]},
 }
 BASES = {

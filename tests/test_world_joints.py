@@ -242,7 +242,7 @@ def test_a_rod_keeps_its_length_and_a_rope_lets_go():
     bob = world.add_sphere(0.1, position=(1.0, 0.0, 0.0), **options)
     rod = world.add_distance_joint(world.ground, bob, anchor_a=(0, 0, 0), anchor_b=(1.0, 0.0, 0.0))
     ball = world.add_sphere(0.1, position=(5.0, 0.0, 0.0), **options)
-    rope = world.add_rope(world.ground, ball, anchor_a=(5.0, 0.0, 0.5), anchor_b=(5.0, 0.0, 0.0), length=2.0)
+    rope = world.add_rope_joint(world.ground, ball, anchor_a=(5.0, 0.0, 0.5), anchor_b=(5.0, 0.0, 0.0), length=2.0)
     world.advance(STEP, 24)  # 0.4 s: 0.78 m, and the rope is slack
     assert rope.force == pytest.approx([0, 0, 0], abs=1e-12)
     assert world.velocity[ball.index, 2] == pytest.approx(-0.4 * G, rel=1e-12)

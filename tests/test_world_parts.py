@@ -7,7 +7,7 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.world import stepping
-from kickdrift.world.rollback import roll_back
+from kickdrift.world.step.rollback import roll_back
 from kickdrift.world.tables import LOAD, MOTION, POSE, STEP_STATUS
 
 STEP = 1 / 60

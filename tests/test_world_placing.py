@@ -118,7 +118,7 @@ def test_ropes_are_as_long_from_both_ends(swap):
     world = kd.World(WEIGHTLESS)
     ball = world.add_sphere(0.1, position=(1, 0, 0), velocity=(-1, 0, 0))
     ends = {"anchor_a": (1, 0, 0), "anchor_b": (0, 0, 0)} if swap else {"anchor_a": (0, 0, 0), "anchor_b": (1, 0, 0)}
-    rope = world.add_rope(*((ball, None) if swap else (None, ball)), **ends, length=1.5)
+    rope = world.add_rope_joint(*((ball, None) if swap else (None, ball)), **ends, length=1.5)
     world.step(0.1)
     assert rope.position == pytest.approx(0.9 - 1.5, abs=1e-9)
     assert rope.speed == pytest.approx(-1.0, abs=1e-9)
@@ -265,7 +265,7 @@ def test_ropes_are_placed_and_springs_do_not_hold():
     arm = world.add_box((1, 0.1, 0.1), position=(0.5, 0, 0))
     load = world.add_sphere(0.1, position=(1, 0, -1))
     hinge = world.add_hinge(arm, None, anchor=(0, 0, 0), axis=Z, limits=(-1, 1))
-    rope = world.add_rope(arm, load, anchor_a=(1, 0, 0), anchor_b=(1, 0, -1), length=1.5)
+    rope = world.add_rope_joint(arm, load, anchor_a=(1, 0, 0), anchor_b=(1, 0, -1), length=1.5)
     spring = world.add_spring(load, None, anchor_a=(1, 0, -1), anchor_b=(1, 0, -2), stiffness=10.0)
     hinge.angle = 0.5
     assert load.position == pytest.approx([math.cos(0.5), math.sin(0.5), -1], abs=1e-12)
@@ -349,7 +349,7 @@ def test_places_that_cannot_be(make, act, word):
         "slider": lambda: world.add_slider(body, None, **at, axis=Z),
         "ball": lambda: world.add_ball_joint(body, None, **at),
         "fixed": lambda: world.add_fixed_joint(body, None, **at),
-        "rope": lambda: world.add_rope(body, None, **rod),
+        "rope": lambda: world.add_rope_joint(body, None, **rod),
         "distance": lambda: world.add_distance_joint(body, None, **rod),
     }[make]()
     with pytest.raises(ArgumentError, match=word):

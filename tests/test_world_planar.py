@@ -66,7 +66,7 @@ def test_things_slide_over_a_floor_that_is_the_plane():
         assert thing.velocity == pytest.approx([3 - 0.3 * G / 2, 0, 0], rel=1e-3, abs=1e-12)
 
 
-@pytest.mark.parametrize("joint", ["add_distance_joint", "add_rope"])
+@pytest.mark.parametrize("joint", ["add_distance_joint", "add_rope_joint"])
 def test_lines_between_different_depths_hold_their_length_in_the_plane(joint):
     paths = []
     for depth in (0.0, 0.5):
@@ -86,9 +86,9 @@ def test_joints_along_which_nothing_moves_in_the_plane_are_refused():
     with pytest.raises(ArgumentError, match="oblique to the plane"):
         world.add_slider(None, ball, anchor=(0, 0, 0), axis=(1, 1, 0))
     with pytest.raises(ArgumentError, match="differ only along"):
-        world.add_rope(None, ball, anchor_a=(0, 1, 0), anchor_b=(0, 0, 0))
+        world.add_rope_joint(None, ball, anchor_a=(0, 1, 0), anchor_b=(0, 0, 0))
     with pytest.raises(ArgumentError, match=r"length=0\.5 is too short"):
-        world.add_rope(None, ball, anchor_a=(1, 1, 0), anchor_b=(0, 0, 0), length=0.5)
+        world.add_rope_joint(None, ball, anchor_a=(1, 1, 0), anchor_b=(0, 0, 0), length=0.5)
     world.add_slider(None, ball, anchor=(0, 0, 0), axis=(1, 0, 1))
 
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world import tables as t
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.bvh import build, fit
 from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
@@ -17,7 +18,6 @@ from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
 from kickdrift.world.collision.search_state import CHANGED, shapes_changed
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, RADIUS, SHAPE_KIND, STATIC
-from kickdrift.world.part import Part
 from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.catalogue import RAYS
@@ -26,7 +26,7 @@ from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.step_status import FULL, ROWS_WANTED, STATUS, TABLE
+from kickdrift.world.step.status import FULL, ROWS_WANTED, STATUS, TABLE
 from kickdrift.world.world import World
 
 ALL = (1 << 62) - 1

@@ -8,8 +8,8 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.collision import PAIRS
-from kickdrift.world.part import Part
 from kickdrift.world.shapes import sphere
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.heightfield import HeightField

@@ -24,10 +24,10 @@ from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.world_file import MADE
 from kickdrift.scenes.worlds import newtons_cradle, pyramid
 from kickdrift.world import settings as settings_
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, SHAPE_KIND
-from kickdrift.world.part import Part
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.heightfield import HeightField
@@ -36,7 +36,7 @@ from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.snapshot import TABLES
-from kickdrift.world.step_status import STATUS
+from kickdrift.world.step.status import STATUS
 from kickdrift.world.tables import CONTACT, GEOMETRY, SHAPE
 
 STEP = 1 / 60

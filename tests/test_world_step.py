@@ -9,7 +9,7 @@ import kickdrift as kd
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import contact_solver_simd
-from kickdrift.world.step import STAGE, run
+from kickdrift.world.step.loop import STAGE, run
 from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, POSE
 
 

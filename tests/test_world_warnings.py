@@ -1,5 +1,6 @@
 """What the solver cannot do is said once, with what would help; all else is silent (pytest makes an error of a warning)."""
 
+import itertools
 import re
 import warnings
 
@@ -91,6 +92,30 @@ def test_loops_that_are_stretched_taut_lose_energy_and_it_is_said():
     with pytest.warns(kd.UnsolvedWarning, match="move too far in a substep for impulses that satisfy them") as said:
         worlds.joint_grid(size=4).advance(STEP, 400)
     assert len(said) == 1
+
+
+def test_nets_whose_joints_are_solved_in_turn_lose_energy_and_it_is_said():
+    world = worlds.joint_grid(size=10)
+    with pytest.warns(kd.UnsolvedWarning, match="too many loops to be solved together: they lost 1 %") as said:
+        world.advance(STEP, 150)
+    assert len(said) == 1
+    assert "solve-in-turn" in str(world.word)
+
+
+def test_energy_that_nets_lose_on_the_ground_is_not_judged():
+    world = kd.World()
+    world.add_plane(normal=(0, 0, 1))
+    balls = {}
+    for i, k in itertools.product(range(10), repeat=2):
+        balls[i, k] = ball = world.add_sphere(0.4, position=(i, k, 0.4), velocity=(i % 3, k % 3, 0))
+        for other in ((i - 1, k), (i, k - 1)):
+            if other in balls:
+                anchor = (world.position[balls[other].index] + world.position[ball.index]) / 2
+                world.add_ball_joint(balls[other], ball, anchor=anchor)
+    assert "solve-in-turn" in str(world.word)
+    before = world.energy().total
+    world.advance(STEP, 60)
+    assert world.energy().total < 0.9 * before
 
 
 @pytest.mark.parametrize("change", [0.0, 1e-3])

@@ -53,7 +53,7 @@ from kickdrift.systems import (
     System,
 )
 from kickdrift.systems.spline import spline
-from kickdrift.world.recording import Recording, WorldPresenters
+from kickdrift.world.recordings.recording import Recording, WorldPresenters
 
 if TYPE_CHECKING:
     from kickdrift.io.meshes import load_mesh
@@ -61,9 +61,9 @@ if TYPE_CHECKING:
     from kickdrift.io.world_file import load_world
     from kickdrift.scale.ensemble import solve_ensemble
     from kickdrift.systems.symbolic import from_lagrangian, from_sympy
+    from kickdrift.world.bodies.part import Part
     from kickdrift.world.gusts import gusts
     from kickdrift.world.joints.axis import Axis, Drive, Motor
-    from kickdrift.world.part import Part
     from kickdrift.world.shapes.box import Box
     from kickdrift.world.shapes.capsule import Capsule
     from kickdrift.world.shapes.cone import Cone
@@ -147,7 +147,7 @@ _LATER = {
     **dict.fromkeys(("from_lagrangian", "from_sympy"), "kickdrift.systems.symbolic"),
     "World": "kickdrift.world.world",
     "gusts": "kickdrift.world.gusts",
-    "Part": "kickdrift.world.part",
+    "Part": "kickdrift.world.bodies.part",
     **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
     **{
         name: f"kickdrift.world.shapes.{name.lower()}"

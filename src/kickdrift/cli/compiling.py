@@ -12,7 +12,7 @@ from kickdrift.core.parallel_compile import compile_together, missing, processes
 from kickdrift.engine import letters
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.progress import Bar
-from kickdrift.world.compiling import all_jobs
+from kickdrift.world.step.compiling import all_jobs
 
 
 def compile_all(quiet: bool) -> int:

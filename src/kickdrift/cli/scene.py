@@ -11,7 +11,7 @@ from kickdrift.core.errors import ArgumentError, MissingExtraError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
-from kickdrift.world.recording import Recording
+from kickdrift.world.recordings.recording import Recording
 from kickdrift.world.world import World
 
 _FOR_SYSTEMS = ("method", "bodies", "years")

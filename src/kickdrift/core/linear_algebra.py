@@ -11,6 +11,7 @@ Floats = NDArray[np.float64]
 
 _PANEL = 32  # columns that are eliminated before those to their right are updated
 _ROWS = 4  # rows whose sums are independent, so that none waits for another
+_FEW = 12  # equations that are solved one by one: of 24, four at a time take 0.33 us instead of 0.53
 
 
 @compiled(inline=True)
@@ -109,7 +110,7 @@ def lu_solve(matrix: Floats, pivots: Floats, b: Floats) -> None:
     for k in range(n):
         p = int(pivots[k])
         b[k], b[p] = b[p], b[k]
-    if n > _PANEL:
+    if n > _FEW:
         lu_solve_many(matrix, b)
         return
     for i in range(n):

@@ -175,7 +175,7 @@ def cut_steps(
     params[layout.LOCATED] = impacts is None or choice("located", impacts.located)
     params[layout.BODY_SIZE] = system.x0.shape[-1] if system.x0.ndim > 1 else n
     rows = params[layout.HEAD : layout.HEAD + layout.ROWS * count].reshape(layout.ROWS, count)
-    rows[layout.SIDE] = 1.0
+    rows[layout.SIDE], rows[layout.CROSSED] = 1.0, np.inf
     if impacts is not None:
         rows[layout.RESTITUTION, :of_impacts] = numbers_of("restitution", impacts.restitution, of_impacts, 1.0)
         rows[layout.FRICTION, :of_impacts] = numbers_of("friction", impacts.friction, of_impacts, np.inf)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
-from kickdrift.world.recording import Recording
+from kickdrift.world.recordings.recording import Recording
 
 FORMS = "obj", "glb"
 
@@ -78,16 +78,16 @@ def load_mesh(path: str | Path) -> Mesh:
 
 
 def save_meshes(recording: Recording, folder: str | Path, which: str | int, form: str) -> Path:
-    """Write the cloth of each row of a recording to a file of its own; see `Recording.save_meshes`."""
+    """Write what is drawn of a cloth in each row of a recording to a file of its own; see `Recording.save_meshes`."""
     trimesh = _trimesh("Recording.save_meshes")
     if form not in FORMS:
         raise ArgumentError(f"form={form!r} must be one of {', '.join(map(repr, FORMS))}.")
     cloth = recording.drawn_cloth(which)
-    target, name = Path(folder), cloth.name or "cloth"
+    target, name = Path(folder), cloth.name or cloth.kind.replace(" ", "-")
     try:
         target.mkdir(parents=True, exist_ok=True)
         for row, vertices in enumerate(recording.particles[:, cloth.first : cloth.last]):
-            mesh = trimesh.Trimesh(vertices, cloth.triangles, process=False)
+            mesh = trimesh.Trimesh(*cloth.surface(vertices), process=False)
             mesh.export(str(target / f"{name}-{row:06d}.{form}"))
     except OSError as error:
         raise FileFormatError(

@@ -8,7 +8,7 @@ import numpy as np
 from kickdrift.core import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.solution_file import arrays_of, header_of, members
-from kickdrift.world.recording import Appearance, DrawnCloth, DrawnShape, Recording, Rod
+from kickdrift.world.recordings.recording import Appearance, DrawnCloth, DrawnShape, Recording, Rod
 
 
 def save_recording(recording: Recording, path: str | Path) -> Path:
@@ -21,6 +21,7 @@ def save_recording(recording: Recording, path: str | Path) -> Path:
         "shapes": catalogue.words,
         "names": list(looks.names.items()),
         "cloth_names": [cloth.name for cloth in looks.cloths],
+        "cloth_kinds": [cloth.kind for cloth in looks.cloths],
     }
     arrays = {
         **arrays_of(recording),
@@ -29,6 +30,7 @@ def save_recording(recording: Recording, path: str | Path) -> Path:
         "particles": recording.particles,
         "kinds": looks.kinds,
         "cloths": np.array([(cloth.first, cloth.last, len(cloth.triangles)) for cloth in looks.cloths]).reshape(-1, 3),
+        "cloth radii": np.array([cloth.radius for cloth in looks.cloths], dtype=np.float64),
         "triangles": np.concatenate([np.zeros((0, 3), np.int64), *(cloth.triangles for cloth in looks.cloths)]),
         "shape numbers": catalogue.numbers,
         "parts": np.array(parts, dtype=np.int64).reshape(-1, 2),
@@ -70,17 +72,20 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
     particles = arrays["particles"]
     if particles.ndim != 3 or particles.shape[::2] != (times, 3):
         raise ValueError(f"x and particles have shapes {known['x'].shape} and {particles.shape}")
-    looks = Appearance(kinds, parts, rods, names, _cloths(head["cloth_names"], arrays, particles.shape[1]))
+    looks = Appearance(kinds, parts, rods, names, _cloths(head, arrays, particles.shape[1]))
     return Recording(**known, orientation=turns, angular_velocity=spins, particles=particles, appearance=looks)
 
 
-def _cloths(names: list[Any], arrays: dict[str, Any], count: int) -> tuple[DrawnCloth, ...]:
-    """Return the cloths of a file, whose vertices are among so many."""
+def _cloths(head: dict[str, Any], arrays: dict[str, Any], count: int) -> tuple[DrawnCloth, ...]:
+    """Return the cloths, ropes and soft bodies of a file, whose vertices are among so many."""
     cloths, triangles, begin = [], arrays["triangles"], 0
-    for name, (first, last, n_triangles) in zip(names, arrays["cloths"].tolist(), strict=True):
+    looks = zip(head["cloth_names"], head["cloth_kinds"], arrays["cloth radii"].tolist(), strict=True)
+    for (name, kind, radius), (first, last, n_triangles) in zip(looks, arrays["cloths"].tolist(), strict=True):
         own = triangles[begin : begin + n_triangles]
         begin += n_triangles
         if not (0 <= first < last <= count and len(own) == n_triangles and 0 <= own.min() <= own.max() < last - first):
             raise ValueError(f"a cloth has the vertices from {first} to {last} of {count}, and {n_triangles} triangles")
-        cloths.append(DrawnCloth(None if name is None else str(name), first, last, own))
+        if not 0.0 <= radius < np.inf:
+            raise ValueError(f"a rope has a radius of {radius}")
+        cloths.append(DrawnCloth(None if name is None else str(name), first, last, own, radius, str(kind)))
     return tuple(cloths)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.io.report import lines
-from kickdrift.world.recording import Recording
+from kickdrift.world.recordings.recording import Recording
 
 
 def report(recording: Recording) -> str:

@@ -20,7 +20,7 @@ from kickdrift.io.robots.laws import Actuator
 from kickdrift.io.robots.omissions import gathered, omissions, overlaps
 from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.arguments import unit_quaternion, vector
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.layout import LAYER, STATIC

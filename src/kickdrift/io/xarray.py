@@ -8,7 +8,7 @@ from kickdrift.engine.solution import Solution
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
 if TYPE_CHECKING:
-    from kickdrift.world.recording import Recording
+    from kickdrift.world.recordings.recording import Recording
 
 
 def to_xarray(solution: Solution) -> Any:

@@ -55,6 +55,7 @@ class Letter(Enum):
     LINEARLY_IMPLICIT_KICK = "linearly-implicit-kick"
     GRADIENT_KICK = "gradient-kick"
     DAMP = "damp"
+    DAMPED_DRIFT = "damped-drift"
     ROTATE = "rotate"
     BORIS_ROTATE = "boris-rotate"
     THERMOSTAT = "thermostat"
@@ -180,6 +181,7 @@ _KINDS = {
     Letter.LINEARLY_IMPLICIT_KICK: Kind.VELOCITY_DEPENDENT,
     Letter.GRADIENT_KICK: Kind.NEWTONIAN,
     Letter.DAMP: Kind.DAMPED,
+    Letter.DAMPED_DRIFT: Kind.DAMPED,
     Letter.ROTATE: Kind.CHARGED,
     Letter.BORIS_ROTATE: Kind.CHARGED,
     Letter.THERMOSTAT: Kind.LANGEVIN,
@@ -210,6 +212,7 @@ WHOLES = tuple(
     for shares in (
         ("kick", "drift"),
         ("kick", "drift", "damp"),
+        ("kick", "damped-drift"),
         ("kick", "drift", "rotate"),
         ("kick", "drift", "thermostat"),
         ("kick", "drift", "constrain-positions"),

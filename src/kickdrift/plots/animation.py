@@ -18,7 +18,7 @@ from kickdrift.engine.progress import Bar
 from kickdrift.plots.page import FAINT, INK, new_figure
 from kickdrift.plots.painter import Painter
 from kickdrift.plots.scenery import Pose
-from kickdrift.world.recording import Recording
+from kickdrift.world.recordings.recording import Recording
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]

@@ -1,5 +1,6 @@
 """What there is to be seen of a recording: its shapes as numbers for the rays of a camera, and where they are."""
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.rotations import product, turn_to, turned
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.layout import DYNAMIC, REMOVED
-from kickdrift.world.recording import Appearance, DrawnShape
+from kickdrift.world.recordings.recording import Appearance, DrawnShape
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
 from kickdrift.world.shapes.record import BALL, EXTENT, HALF_SPACE, PLAIN
@@ -79,7 +80,13 @@ class Scenery:
 
     def __init__(self, appearance: Appearance, extent: float, planes: list[DrawnShape], *, from_side: bool) -> None:
         self._rods = appearance.rods
-        self._thickness = _ROD * extent
+        self._segments = [
+            (cloth.first + i, cloth.radius, colour_of(k + 1))
+            for k, cloth in enumerate(appearance.cloths)
+            if cloth.radius > 0.0
+            for i in range(cloth.last - cloth.first - 1)
+        ]
+        radii = [_ROD * extent] * len(self._rods) + [radius for _, radius, _ in self._segments]
         pieces: list[_Piece] = []
         bodies, places, colours = [], [], []
         self.n_planes = len(planes)
@@ -101,25 +108,28 @@ class Scenery:
             bodies += [part.body] * len(made)
             places += [[*origin, *part.orientation]] * len(made)
             colours += [colour] * len(made)
-        corners = [cloth.first + cloth.triangles for cloth in appearance.cloths]
+        sheets = [(k, cloth) for k, cloth in enumerate(appearance.cloths) if cloth.radius == 0.0]
+        corners = [cloth.first + cloth.triangles for _, cloth in sheets]
         self._corners = np.concatenate([np.zeros((0, 3), dtype=np.int64), *corners])
         self._cloth = slice(len(pieces), len(pieces) + len(self._corners))
         pieces += [_Piece(TRIANGLE, np.zeros(TRIANGLE_SIZE), np.zeros(3), 0.0)] * len(self._corners)
         bodies += [0] * len(self._corners)
         places += [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]] * len(self._corners)
-        colours += [colour_of(k + 1) for k, cloth in enumerate(appearance.cloths) for _ in cloth.triangles]
+        colours += [colour_of(k + 1) for k, cloth in sheets for _ in cloth.triangles]
         self._bodies = np.array(bodies, dtype=np.intp)
         self._in_body = np.array(places, dtype=np.float64).reshape(-1, 7)
         self._middles = np.array([p.middle for p in pieces]).reshape(-1, 3)
-        self._reaches = np.array([p.reach for p in pieces] + [0.0] * len(self._rods))
-        pieces += [_Piece(CAPSULE, np.array([self._thickness, 0.0]), np.zeros(3), 0.0)] * len(self._rods)
+        self._reaches = np.array([p.reach for p in pieces] + [0.0] * len(radii))
+        pieces += [_Piece(CAPSULE, np.array([radius, 0.0]), np.zeros(3), 0.0) for radius in radii]
         ends = np.cumsum([p.numbers.size for p in pieces], dtype=np.int64)
         sizes = np.array([p.numbers.size for p in pieces], dtype=np.int64)
         kinds, looks = [p.kind for p in pieces], [KINDS[p.kind].look for p in pieces]
         looks[self._cloth] = [PLAIN] * len(self._corners)
+        looks[len(pieces) - len(self._segments) :] = [PLAIN] * len(self._segments)
         self._shapes = np.column_stack((kinds, ends - sizes, ends, looks)).astype(np.int64).reshape(-1, 4)
         self._numbers = np.concatenate([np.zeros(0), *(p.numbers for p in pieces)])
-        self.colours = np.array([*colours, *[RODS] * len(self._rods)]).reshape(-1, 3)
+        ropes = [colour for _, _, colour in self._segments]
+        self.colours = np.array([*colours, *[RODS] * len(self._rods), *ropes]).reshape(-1, 3)
 
     @property
     def kinds(self) -> set[int]:
@@ -137,15 +147,22 @@ class Scenery:
         places[:, REACH] = self._reaches
         numbers = self._numbers.copy()
         self._lay_cloths(pose.particles, places, numbers)
-        for i, rod in enumerate(self._rods, start=count):
-            first = pose.position[rod.body_a] + turned(pose.orientation[rod.body_a], rod.point_a)
-            along = pose.position[rod.body_b] + turned(pose.orientation[rod.body_b], rod.point_b) - first
+        for i, (first, last) in enumerate(self._lines(pose), start=count):
+            along = last - first
             length = float(np.linalg.norm(along))
             places[i, :3] = places[i, MIDDLE:REACH] = first + 0.5 * along
             places[i, 3:7] = turn_to(along / length) if length > 0.0 else (1.0, 0.0, 0.0, 0.0)
-            places[i, REACH] = 0.5 * length + self._thickness
+            places[i, REACH] = 0.5 * length + numbers[self._shapes[i, 1]]
             numbers[self._shapes[i, 1] + 1] = 0.5 * length
         return Sight(self._shapes, places, numbers)
+
+    def _lines(self, pose: Pose) -> Iterator[tuple[Floats, Floats]]:
+        """Yield the ends of rods, then those of segments of ropes."""
+        for rod in self._rods:
+            first = pose.position[rod.body_a] + turned(pose.orientation[rod.body_a], rod.point_a)
+            yield first, pose.position[rod.body_b] + turned(pose.orientation[rod.body_b], rod.point_b)
+        for i, _, _ in self._segments:
+            yield pose.particles[i], pose.particles[i + 1]
 
     def _lay_cloths(self, particles: Floats, places: Floats, numbers: Floats) -> None:
         """Write where the triangles of cloths are."""

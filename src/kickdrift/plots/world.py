@@ -10,7 +10,7 @@ from kickdrift.core.colours import COLOURS, SUM, colour_of
 from kickdrift.plots.page import INK, check_axes, dress, keep, new_figure
 from kickdrift.plots.painter import Painter
 from kickdrift.plots.scenery import Pose
-from kickdrift.world.recording import Recording
+from kickdrift.world.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

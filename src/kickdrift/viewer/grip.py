@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from kickdrift.core.rotations import turned
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
 from kickdrift.world.joints.layout import BODY_A, BODY_B, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.layout import BODY_KIND, DYNAMIC, MASS
 from kickdrift.world.tables import BODY, INERTIA, JOINT

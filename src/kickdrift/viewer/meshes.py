@@ -11,7 +11,7 @@ from kickdrift.core.rotations import product, turned
 from kickdrift.viewer.page import Singles, linear, rounded
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.layout import DYNAMIC
-from kickdrift.world.recording import Appearance, DrawnCloth, DrawnShape, Rod
+from kickdrift.world.recordings.recording import Appearance, DrawnCloth, DrawnShape, Rod
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import BALL
 
@@ -166,18 +166,18 @@ class JointLines:
 
 
 class ClothMesh:
-    """A mesh whose vertices move."""
+    """A mesh whose vertices move: a cloth, or the surface of a rope or a soft body."""
 
     def __init__(self, scene: Any, cloth: DrawnCloth, number: int, state: State) -> None:
-        self._rows = slice(cloth.first, cloth.last)
+        self._cloth, self._rows = cloth, slice(cloth.first, cloth.last)
         extent = float(np.ptp(state.particles[self._rows], axis=0).max())
         self._grain = _FINE_CLOTH * (extent if extent > 0.0 else 1.0)  # NaN of a cloth that is added later
-        self._shown = self._at(state)
+        self._shown, triangles = self._at(state)
         colour = tuple(np.round(255 * colour_of(number + 1)).astype(int).tolist())
         self._handle = scene.add_mesh_simple(
             f"/cloth_{number}",
             self._shown,
-            cloth.triangles.astype(np.uint32),
+            triangles.astype(np.uint32),
             color=colour,
             flat_shading=False,
             side="double",
@@ -185,7 +185,7 @@ class ClothMesh:
 
     def show(self, state: State) -> None:
         """Move its vertices to where they are, if that can be seen."""
-        vertices = self._at(state)
+        vertices, _ = self._at(state)
         if not np.array_equal(vertices, self._shown):
             self._handle.vertices = self._shown = vertices
 
@@ -193,8 +193,9 @@ class ClothMesh:
         """Take it out of the scene."""
         self._handle.remove()
 
-    def _at(self, state: State) -> Singles:
-        return rounded(np.nan_to_num(state.particles[self._rows]), self._grain)
+    def _at(self, state: State) -> tuple[Singles, NDArray[np.int64]]:
+        vertices, triangles = self._cloth.surface(np.nan_to_num(state.particles[self._rows]))
+        return rounded(vertices, self._grain), triangles
 
 
 def batches_of(

@@ -6,13 +6,13 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, minus, plus, turned
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.collision.narrow_phase import shape_pose
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import CONTACT, EVENTS, MANIFOLD, Tables, floats, integers, room, rows, set_rows
 
 

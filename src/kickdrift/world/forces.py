@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.compilation import Function
 from kickdrift.world.arguments import vector
 from kickdrift.world.atomic import alone, undivided
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.cloth.winds import WINDS
 from kickdrift.world.force_stage import Force, force_of
 from kickdrift.world.tables import LOAD, POSE, Tables

@@ -62,7 +62,7 @@ from kickdrift.world.layout import (
     VELOCITY,
 )
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
-from kickdrift.world.step_status import report_body
+from kickdrift.world.step.status import report_body
 from kickdrift.world.tables import (
     BODY,
     DELTA_POSE,

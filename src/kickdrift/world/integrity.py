@@ -37,7 +37,7 @@ from kickdrift.world.layout import (
 from kickdrift.world.shapes.catalogue import KINDS, met_as
 from kickdrift.world.shapes.record import SOLID, SURFACE
 from kickdrift.world.shapes.triangle import triangles_of
-from kickdrift.world.step_status import OK, STATUS
+from kickdrift.world.step.status import OK, STATUS
 from kickdrift.world.tuning import MOST_SUBSTEPS
 
 _OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "PREDICTED", "BODY")

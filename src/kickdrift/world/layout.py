@@ -100,7 +100,7 @@ BODY_KIND = column(BODY)
 AWAKE = column(BODY)
 SLEEP_ISLAND = column(BODY)
 GENERATION = column(BODY)
-LINK_PLACE = column(BODY)  # row of its link + 1, if its joints are solved directly; -1 if one after the other
+LINK_PLACE = column(BODY)  # row of its link + 1; minus that if joints are solved one after the other
 LINK_COUNT = column(BODY)
 # Heaps: see `kickdrift.world.direct.unconverged_heaps`
 UNSOLVED = column(BODY)  # number of steps for which the sweeps have left its contacts unsolved

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.atomic import alone
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.collision import queries
 from kickdrift.world.collision.queries import RayHit, RayHits
 from kickdrift.world.collision.query_arguments import one_vector

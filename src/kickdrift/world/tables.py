@@ -50,7 +50,7 @@ GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 CONTACT = Table(12, 8, whole=True)
 MANIFOLD = Table(13, 72)
 SETTINGS = Table(14, 32)  # one row: see `kickdrift.world.settings`
-STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step_status`
+STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step.status`
 EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`
 JOINT = Table(17, 16, whole=True)
@@ -85,7 +85,7 @@ IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.conta
 BOUNCING = Table(60, 1, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step
 STARTED_MOTION = Table(33, MOTION.width)
-STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.rollback`
+STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.step.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
 SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_path`
@@ -105,7 +105,7 @@ BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
-CLOTH, CLOTH_NUMBERS = Table(66, 20, whole=True), Table(67, 24)
+CLOTH, CLOTH_NUMBERS = Table(66, 24, whole=True), Table(67, 32)
 PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.cloth.particle_lanes`
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth
@@ -113,7 +113,7 @@ FACE_NUMBERS = Table(71, 8)
 COUPLING, COUPLING_NUMBERS = Table(73, 1, whole=True), Table(81, 1)  # of a particle with another one, by bending
 CURVED_FACE, CURVED_FACE_NUMBERS = Table(82, 8, whole=True), Table(83, 8)  # a triangle that is curved at rest
 PIN, PIN_NUMBERS = Table(74, 2, whole=True), Table(75, 4)
-CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 4, whole=True), Table(77, 16)
+CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 5, whole=True), Table(77, 16)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)

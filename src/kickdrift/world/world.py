@@ -11,29 +11,29 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.threads import launch
 from kickdrift.world import settings
-from kickdrift.world.adding_shapes import AddsShapes
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.batch import BATCH_COLOURS
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
-from kickdrift.world.body_views import BodyViews
+from kickdrift.world.bodies.adding_shapes import AddsShapes
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
+from kickdrift.world.bodies.shape_rows import ShapeRows
+from kickdrift.world.bodies.views import BodyViews
 from kickdrift.world.cloth.adding import AddsCloths
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.force_stage import Force
 from kickdrift.world.forces import AppliesForces
-from kickdrift.world.history import KeepsHistory
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.queries import SpatialQueries
-from kickdrift.world.recorder import Recorder
-from kickdrift.world.shape_rows import ShapeRows
+from kickdrift.world.recordings.history import KeepsHistory
+from kickdrift.world.recordings.recorder import Recorder
 from kickdrift.world.snapshot import Snapshot
-from kickdrift.world.solver_warnings import say
-from kickdrift.world.stage_order import Program
-from kickdrift.world.stepping import DoesSteps
+from kickdrift.world.step.stage_order import Program
+from kickdrift.world.step.stepping import DoesSteps
+from kickdrift.world.step.warnings import say
 from kickdrift.world.tables import COLOURS, KERNEL_ADDRESSES, SETTINGS, STEP_STATUS, VIEW, Tables
 from kickdrift.world.tuning import Tunable
 

@@ -104,7 +104,7 @@ CONTROLS = {
     "end-between": Flow(cuts.end_between, parts=_SURFACES, moves_x=True, moves_v=True, timed=False),
     "begin-cut": Flow(
         cuts.begin_cut,
-        parts={"keep_state": error_control.begin_trial, **_SURFACES, **_SIDES, "slide": sliding_mode.slide_or_leave},
+        parts={"keep_state": error_control.begin_trial, **_SURFACES, **_SIDES, "slide": sliding_mode.slide},
     ),
     "end-cut": Flow(
         cuts.end_cut,

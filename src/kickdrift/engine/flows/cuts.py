@@ -33,7 +33,7 @@ from kickdrift.engine.flows.layout import (
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
 from kickdrift.engine.flows.sides import show_sides
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
-from kickdrift.engine.flows.sliding_mode import begin_sliding, something_slides
+from kickdrift.engine.flows.sliding_mode import note_crossing, something_slides
 from kickdrift.engine.flows.surfaces import (
     BEFORE,
     FLIES,
@@ -153,7 +153,7 @@ def closes_at_once(work: Floats) -> bool:
 
 @compiled
 def count_short(crosses: bool, work: Floats) -> None:
-    """Count a cut without time before it; fail where there are too many in a row."""
+    """Count a cut without time before it, or at a switch that was just crossed; fail where there are too many in a row."""
     own = own_params(work)
     own[SHORT] += 1.0
     if own[SHORT] > _MOST_SHORT:
@@ -172,7 +172,7 @@ def opens_no_more(touches: float, work: Floats) -> bool:
         if hit[row] != 0.0 and switch[row] != 0.0:
             side[row] *= -1.0
             passes = True
-            begin_sliding(row, work)
+            note_crossing(row, own_params(work)[BEGIN], work)
         elif hit[row] != 0.0:
             row_of(RESTING, work)[row] = RESTS
         hit[row] = 0.0
@@ -240,7 +240,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
         own[MODE] = FREE
     if own[MODE] != LAST:
         gap = min(gap, least_slip(v, work))
-    cut, crosses = own[MODE] in (SEARCHING, LAST) or gap < 0.0, False
+    cut, crosses, again = own[MODE] in (SEARCHING, LAST) or gap < 0.0, False, False
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         if own[ROUNDS] == 0.0:
             own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work))
@@ -256,13 +256,12 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
             if hit[row] != 0.0 and switch[row] != 0.0:
                 crosses = True
                 cross(row, t, x, v, params, work)
-                if size < _SLIVER * abs(work[FIRST_STEP]):
-                    begin_sliding(row, work)
+                again = note_crossing(row, t, work) or again
             if turned[row] != 0.0:
                 stop(row, t, x, v, work)
                 turned[row] = 0.0
         strike_all(t, x, v, params, work)
-    if cut and size < _SLIVER * abs(work[FIRST_STEP]):
+    if again or (cut and size < _SLIVER * abs(work[FIRST_STEP])):
         count_short(crosses, work)
     else:
         own[SHORT] = 0.0

@@ -3,7 +3,8 @@
 Templates. By Filippov's rule, the force there is the mean of those of both sides with which the switch stays zero. For forces
 that are linear in the side it is that of a side between -1 and 1, the equivalent control (V. I. Utkin, Sliding Modes in Control
 and Optimization (1992), chapter 2). It is constant during a step, at first from the rates of the switch at its start, then by
-iteration such that the step ends at the switch: of second order, for any method.
+iteration such that the step ends at the switch: of second order, for any method. Where the motion returns to a switch at once
+and the rates do not say so, as they vanish where it only touches the switch, two trial steps tell what the side does.
 """
 
 from collections.abc import Callable
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.elementwise import assign
 from kickdrift.engine.flows.error_control import saved
+from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CHANGES,
     CHATTERING,
@@ -28,17 +30,19 @@ from kickdrift.engine.flows.layout import (
 )
 from kickdrift.engine.flows.resting import FREE_V, FREE_X
 from kickdrift.engine.flows.surfaces import (
+    CROSSED,
     FLIES,
     KEPT,
+    LOW_GAP,
     PLACE_OF_SIDES,
     RESTING,
     ROUNDS,
-    SHORT,
     SIDE,
     SLIDES_ON,
     STEEPNESS,
     SWITCH,
     TOUCHES,
+    WITHOUT,
     change_of_sides,
     params_of_gaps,
     place,
@@ -58,7 +62,6 @@ take_equivalent_side: Callable[..., bool] = unbound
 
 _MOMENT = 1e-4  # of a step, by which the rate of a switch is a difference
 _LINEAR = 1e-2  # of the difference of the rates on both sides
-_SLIDES_AFTER = 2.0  # consecutive cuts without time between
 MOST_ROUNDS, _SETTLED = 20, 1e-12  # of the iteration for the sides
 _MISSED = 1e-6  # of the side: tolerance of the iteration, unless rounding errors are as large
 
@@ -70,10 +73,14 @@ def may_slide(work: Floats) -> bool:
 
 
 @compiled
-def begin_sliding(row: int, work: Floats) -> None:
-    """Let the next step slide along a switch, if it has been crossed too often without time between."""
-    if own_params(work)[SHORT] > _SLIDES_AFTER and may_slide(work):
+def note_crossing(row: int, t: float, work: Floats) -> bool:
+    """Let the next step slide along a switch that is crossed again at once, and return whether it is."""
+    crossed = row_of(CROSSED, work)
+    again = abs(t - crossed[row]) < REST * abs(work[FIRST_STEP])
+    crossed[row] = t
+    if again and may_slide(work):
         row_of(RESTING, work)[row] = SLIDES_ON
+    return bool(again)
 
 
 @compiled
@@ -118,7 +125,8 @@ def find_equivalent_side(row: int, t: float, x: Floats, v: Floats, params: Float
     """
     below = rate_of_switch(row, -1.0, t, x, v, params, work)
     above = rate_of_switch(row, 1.0, t, x, v, params, work)
-    if not (below > 0.0 and above < 0.0):
+    unresolved = (below - above) * _MOMENT * abs(work[FIRST_STEP]) <= TOUCHES * size_of(x, work)
+    if unresolved or not (below > 0.0 and above < 0.0):
         return False
     equivalent = (below + above) / (below - above)
     if abs(rate_of_switch(row, equivalent, t, x, v, params, work)) > _LINEAR * (below - above):
@@ -127,22 +135,49 @@ def find_equivalent_side(row: int, t: float, x: Floats, v: Floats, params: Float
     return True
 
 
-def slide_or_leave(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Begin a step with the equivalent sides of the switches along which the motion slides, or leave those that let it go."""
+def slide(t: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
+    """Begin a step with the equivalent sides of the switches along which the motion slides, or those of a first trial."""
     resting = row_of(RESTING, work)
     for row in range(resting.size):
         if resting[row] == SLIDES_ON:
             work[CHANGES] += 1.0
             if not take_equivalent_side(row, t, x, v, params, work):
-                resting[row] = FLIES
-                leaves = rate_of_switch(row, 1.0, t, x, v, params, work) >= 0.0
-                row_of(SIDE, work)[row] = 1.0 if leaves else -1.0
+                row_of(SIDE, work)[row] = row_of(STEEPNESS, work)[row] = 0.0
+
+
+@compiled
+def try_sides(h: float, n: int, work: Floats) -> bool:
+    """Find what sides do to switches in steps with the sides 0 and 1, and return whether the step has to be repeated for that.
+
+    Leave switches from which the sides lead away.
+    """
+    room, resting, side, steepness = (
+        room_of_gaps(n, work),
+        row_of(RESTING, work),
+        row_of(SIDE, work),
+        row_of(STEEPNESS, work),
+    )
+    without, again = row_of(WITHOUT, work), False
+    for row in range(side.size):
+        if resting[row] != SLIDES_ON or steepness[row] != 0.0:
+            continue
+        if side[row] == 0.0:
+            without[row], side[row], again = room[row], 1.0, True
+            continue
+        steepness[row] = (room[row] - without[row]) / h
+        if not steepness[row] < 0.0:
+            resting[row], side[row], again = FLIES, 1.0 if without[row] >= 0.0 else -1.0, True
+            own_params(work)[LOW_GAP] = 0.0
+    return again
 
 
 def miss_switches(t: float, h: float, x: Floats, v: Floats, work: Floats) -> bool:
     """Return whether a step has to be repeated to end at the switches along which the motion slides, with corrected sides."""
     own, resting, side = own_params(work), row_of(RESTING, work), row_of(SIDE, work)
     gaps_at(t, x, v, params_of_gaps(x.size, work), work, room_of_gaps(x.size, work))
+    if try_sides(abs(h), x.size, work):
+        work[CHANGES] += 1.0
+        return True
     largest = correct_sides(abs(h), x.size, work)
     own[ROUNDS] += 1.0
     if largest > _SETTLED and own[ROUNDS] < MOST_ROUNDS:

@@ -94,6 +94,7 @@ FLOWS = {
         scratch=adjoint.scratch_size,
     ),
     "damp": Flow(damping.damp, moves_v=True),
+    "damped-drift": Flow(damping.damped_drift, moves_x=True, moves_v=True),
     "rotate": Flow(magnetic.rotate, moves_v=True),
     "boris-rotate": Flow(magnetic.boris_rotate, moves_v=True),
     "thermostat": Flow(noise.thermostat, parts={"draw": noise.draw}, moves_v=True),

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.geoms import Layers, is_shown, placed, touches
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.shape_rows import Placed
 from kickdrift.world.layout import DYNAMIC, KINEMATIC, STATIC
-from kickdrift.world.shape_rows import Placed
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mass import Mass, summed
 from kickdrift.world.sleeping import REACH

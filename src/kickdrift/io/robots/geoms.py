@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.shape_rows import Placed, Surface
+from kickdrift.world.bodies.shape_rows import Placed, Surface
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.cylinder import Cylinder

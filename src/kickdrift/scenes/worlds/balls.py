@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
 from kickdrift.world.world import World
 
 

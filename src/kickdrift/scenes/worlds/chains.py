@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from kickdrift.scenes.worlds.placing import between
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
 from kickdrift.world.world import World
 
 

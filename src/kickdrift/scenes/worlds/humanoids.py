@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from kickdrift.core.rotations import Floats, about, turned
 from kickdrift.core.vectors import Vector
 from kickdrift.scenes.worlds.placing import between, scatter
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
 from kickdrift.world.joints.axis import Drive
 from kickdrift.world.world import World
 

@@ -1,6 +1,8 @@
-"""Adding cloths to a world, finding them by name, and removing them."""
+"""Adding cloths and ropes to a world, finding them by name, and removing them."""
 
 from __future__ import annotations
+
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,20 +10,28 @@ from numpy.typing import ArrayLike
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.arguments import choice, direction, unit_quaternion, vector
-from kickdrift.world.cloth.fabric import Fabric, fabric_of
+from kickdrift.world.bodies.shape_rows import ShapeRows
+from kickdrift.world.cloth.building import Built, built_cloth, built_rope
+from kickdrift.world.cloth.deformable import Deformable
+from kickdrift.world.cloth.fabric import Fabric
 from kickdrift.world.cloth.handle import Cloth
+from kickdrift.world.cloth.material import material_of
 from kickdrift.world.cloth.mesh import cloth_mesh, grid
 from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.shape_rows import ShapeRows
-from kickdrift.world.shapes.kinds import SPHERE
+from kickdrift.world.cloth.rope import Rope
+from kickdrift.world.cloth.rope_material import RopeMaterial
+from kickdrift.world.cloth.rope_mesh import rope_mesh
+from kickdrift.world.shapes.kinds import CAPSULE, SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.tables import Tables
+
+D = TypeVar("D", bound=Deformable)
 
 _MOST_VERTICES = 10_000_000
 
 
 class AddsCloths:
-    """The methods of a world that add cloths, find them by name, and remove them."""
+    """The methods of a world that add cloths and ropes, find them by name, and remove them."""
 
     tables: Tables
     cloths: Cloths
@@ -74,12 +84,8 @@ class AddsCloths:
         >>> round(float(sheet.mass.sum()), 6)
         0.2
         """
-        made_of, mesh = fabric_of(fabric), cloth_mesh(vertices, triangles)
-        meets_itself = choice("self_collision", self_collision)
-        cloth = self.cloths.add(mesh, made_of, direction("warp", warp), name, meets_itself)
-        self.shape_rows.kinds |= {SPHERE}  # particles meet other shapes as spheres
-        self.tables.altered = True
-        return cloth
+        made_of, mesh = material_of(Fabric, "a cloth", fabric), cloth_mesh(vertices, triangles)
+        return self._add(built_cloth(mesh, made_of, direction("warp", warp)), Cloth, name, self_collision)
 
     @shows_parameters_of(Fabric)
     def add_cloth_grid(
@@ -138,6 +144,59 @@ class AddsCloths:
         at, warp = centred @ turn.T + vector("position", position, 3), turn[:, 0]
         return self.add_cloth(at, triangles, warp=warp, self_collision=self_collision, name=name, **fabric)
 
+    @shows_parameters_of(RopeMaterial)
+    def add_rope(
+        self, points: ArrayLike, *, self_collision: bool = False, name: str | None = None, **material: float
+    ) -> Rope:
+        """Add a rope through points, free of tension, on layer 0.
+
+        Its vertices are the points; between two of them is a segment, a straight capsule. At rest it is straight: a rope with a
+        bending stiffness that is curved at first straightens, unless something holds it.
+
+        Parameters
+        ----------
+        points : (N, 3) array_like
+            Two or more, m. Where the rope runs around a body, segments should be shorter than its radius of curvature.
+        self_collision : bool
+            Whether it collides with itself; it always collides with other ropes, and with cloths.
+        name : str, optional
+        **material
+            `radius`, `density` (kg/m), `stretch_stiffness` (N), `bending_stiffness` (N m^2), `damping`, `linear_damping` and
+            `friction`, as in `kickdrift.world.cloth.rope_material.RopeMaterial`.
+
+        Returns
+        -------
+        Rope
+            Its handle: positions and velocities of the vertices, and the tension; `pin` holds some of them.
+
+        Raises
+        ------
+        ArgumentError
+            For invalid points, one of which the message names, and for invalid numbers.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> points = np.linspace((0, 0, 2), (0, 0, 1), 21)
+        >>> rope = world.add_rope(points, radius=0.01, density=0.1, stretch_stiffness=1000.0, damping=0.01, linear_damping=3.0)
+        >>> rope.pin([0])
+        >>> world.advance(1 / 60, 300)
+        >>> round(float(rope.tension[0]), 3)  # the weight below the middle of the first segment
+        0.956
+        """
+        made_of, mesh = material_of(RopeMaterial, "a rope", material), rope_mesh(points)
+        rope = self._add(built_rope(mesh, made_of), Rope, name, self_collision)
+        self.shape_rows.kinds |= {CAPSULE}  # segments meet other shapes as capsules
+        return rope
+
+    def _add(self, built: Built, kind: type[D], name: str | None, self_collision: bool) -> D:
+        added = self.cloths.add(built, kind, name, choice("self_collision", self_collision))
+        self.shape_rows.kinds |= {SPHERE}  # particles meet other shapes as spheres
+        self.tables.altered = True
+        return added
+
     def cloth(self, name: str) -> Cloth:
         """Return the cloth with a name.
 
@@ -154,10 +213,28 @@ class AddsCloths:
         >>> world.cloth("sheet") == sheet
         True
         """
-        return self.cloths.handle(self.cloths.names.row(name))
+        return self.cloths.named(name, Cloth)
 
-    def remove_cloth(self, cloth: Cloth) -> None:
-        """Remove a cloth, and wake bodies and cloths. Indices of cloths that were added later decrease by one.
+    def rope(self, name: str) -> Rope:
+        """Return the rope with a name.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none; the message lists the names.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> line = world.add_rope([(0, 0, 0), (1, 0, 0)], name="line")
+        >>> world.rope("line") == line
+        True
+        """
+        return self.cloths.named(name, Rope)
+
+    def remove_cloth(self, cloth: Deformable) -> None:
+        """Remove a cloth or a rope, and wake everything. Indices of those that were added later decrease by one.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Impulses between the particles of a cloth and the bodies that they touch."""
+"""Impulses between the particles of a cloth, or the segments of a rope, and the bodies that they touch."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, length, minus, plus, product, times
@@ -12,6 +12,8 @@ from kickdrift.world.cloth.layout import (
     IN_LANES,
     LAST_CONTACT,
     MOVES_BODY,
+    OTHER_PARTICLE,
+    OTHER_SHARE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     TOUCHED_BODY,
@@ -69,27 +71,31 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
 
 @compiled
 def _resolve(world: int, row: int, part: float, push: float, left: float) -> None:
-    """Resolve one contact."""
+    """Resolve one contact, at a point between two particles, or of one that counts as both."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     particle, motion = floats(world, PARTICLE), floats(world, MOTION)
-    i, body, moves = contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY], contact[row, MOVES_BODY] != 0
+    i, j, body = contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, TOUCHED_BODY]
+    moves, s = contact[row, MOVES_BODY] != 0, numbers[row, OTHER_SHARE]
+    by_i, by_j = (1.0 - s) * particle[i, PARTICLE_INVERSE_MASS], s * particle[j, PARTICLE_INVERSE_MASS]
+    inverse_mass = (1.0 - s) * by_i + s * by_j
     n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
     ground = vector_at(numbers, row, GROUND_VELOCITY)
     if moves:
         turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm)
         ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
-    v = minus(vector_at(particle, i, PARTICLE_VELOCITY), ground)
+    speed_i, speed_j = vector_at(particle, i, PARTICLE_VELOCITY), vector_at(particle, j, PARTICLE_VELOCITY)
+    v = minus(plus(times(1.0 - s, speed_i), times(s, speed_j)), ground)
     gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
     if gap < 0.0:
         out = min(-gap, part * push)
         gap += out
         for k in range(3):
-            particle[i, k] += out * n[k]
+            particle[i, k] += out * (by_i / inverse_mass) * n[k]
+            particle[j, k] += out * (by_j / inverse_mass) * n[k]
     wanted = -max(gap, 0.0) / part
     numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
     if approach >= wanted:
         return
-    inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
     given = (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
     impulse = times(given, n)
     slip = minus(v, times(approach, n))
@@ -99,7 +105,8 @@ def _resolve(world: int, row: int, part: float, push: float, left: float) -> Non
         stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
         impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
     for k in range(3):
-        particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k]
+        particle[i, PARTICLE_VELOCITY + k] += by_i * impulse[k]
+        particle[j, PARTICLE_VELOCITY + k] += by_j * impulse[k]
     if moves:
         _push_body(world, body, arm, times(-1.0, impulse), left)
 

@@ -1,4 +1,7 @@
-"""Contacts between particles of cloths and shapes of bodies; each particle is a ball with the thickness as diameter."""
+"""Contacts between particles of cloths and shapes of bodies; each particle is a ball with the thickness as diameter.
+
+Segments of ropes touch shapes, too: see `kickdrift.world.cloth.segment_contacts`.
+"""
 
 import math
 from typing import Any
@@ -7,65 +10,53 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, conjugate, cross, dot, length, minus, plus, times, turned, turned_back
+from kickdrift.core.vectors import Vector, conjugate, dot, length, minus, plus, times, turned, turned_back
+from kickdrift.world.cloth.contact_rows import note_contact
 from kickdrift.world.cloth.layout import (
-    CLOTH_FRICTION,
-    CLOTH_GAP,
-    CLOTH_NORMAL,
     CLOTH_RADIUS,
-    CONTACT_FRICTION,
+    DIMENSION,
     FIRST_CONTACT,
     FIRST_PARTICLE,
-    GROUND_VELOCITY,
     IN_LANES,
     IS_ASLEEP,
     LAST_CONTACT,
     LAST_PARTICLE,
     MOVES_BODY,
+    OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
-    TOUCHED_BODY,
-    TOUCHED_POINT,
+    ROPE,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.cloth.segment_contacts import find_segments
 from kickdrift.world.collision.aabb import box_in_frame
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
 from kickdrift.world.collision.overlap_query import find_near
-from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, WIDTH
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
-    AWAKE,
     BEGIN,
-    BODY_KIND,
     BODY_ROW,
-    DYNAMIC,
     FIRST_TREE_NODE,
-    FRICTION,
     IS_SENSOR,
     LAST_TREE_NODE,
     MASK,
-    ORIENTATION,
-    POSITION,
     RADIUS,
     SHAPE_KIND,
     SIZE,
-    SURFACE_VELOCITY,
     VELOCITY,
 )
-from kickdrift.world.settings import SLEEP_SPEED
 from kickdrift.world.shapes.kinds import SPHERE, TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
-    BODY,
     BOUNDS,
     CLOTH,
     CLOTH_CONTACT,
-    CLOTH_CONTACT_NUMBERS,
     CLOTH_NEAR,
     CLOTH_NUMBERS,
     COLLIDERS,
@@ -74,8 +65,6 @@ from kickdrift.world.tables import (
     MOTION,
     PARTICLE,
     PLACE,
-    POSE,
-    SETTINGS,
     SHAPE,
     TRIANGLE_TREE,
     flat,
@@ -115,6 +104,8 @@ def find_contacts(world: int, h: float) -> None:
             meets = own[shape, IS_SENSOR] == 0 and own[shape, MASK] & _LAYER != 0
             if meets and not _find_on_shape(world, cloth, shape, h, count):
                 return
+            if meets and cloths[cloth, DIMENSION] == ROPE and not find_segments(world, cloth, shape, h, count):
+                return
         cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
         _group(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
 
@@ -127,7 +118,7 @@ def _group(world: int, first: int, last: int) -> None:
     while row < last:
         fits = row + WIDTH <= last
         for k in range(row, row + WIDTH if fits else row):
-            fits = fits and contact[k, MOVES_BODY] == 0
+            fits = fits and contact[k, MOVES_BODY] == 0 and contact[k, OTHER_PARTICLE] == contact[k, TOUCHING_PARTICLE]
             fits = fits and (k == row or contact[k, TOUCHING_PARTICLE] > contact[k - 1, TOUCHING_PARTICLE])
         contact[row, IN_LANES] = int(fits)
         row += WIDTH if fits else 1
@@ -222,45 +213,9 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
     else:
         normal = times(-1.0, normal)
         point, own_point = plus(at, turned(q, on_b)), plus(p, on_a)
-    return _note(world, cloth, i, shape, normal, dot(normal, minus(own_point, point)), point, h)
+    return note_contact(world, cloth, shape, i, i, 0.0, (normal, dot(normal, minus(own_point, point)), point), h)
 
 
 @compiled(inline=True)
 def _point(manifold: Any, at: int) -> Vector:
     return (manifold[at], manifold[at + 1], manifold[at + 2])
-
-
-@compiled
-def _note(world: int, cloth: int, i: int, shape: int, normal: Vector, gap: float, point: Vector, h: float) -> bool:
-    """Add a row for a particle that may touch a shape at a point; False if there is no room."""
-    row = rows(world, CLOTH_CONTACT)
-    if row >= min(room(world, CLOTH_CONTACT), room(world, CLOTH_CONTACT_NUMBERS)):
-        ask_for_room(world, CLOTH_CONTACT, 2 * row + 64)
-        return False
-    set_rows(world, CLOTH_CONTACT, row + 1)
-    contact, numbers, place = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PLACE)
-    body, pose = integers(world, SHAPE)[shape, BODY_ROW], floats(world, POSE)
-    contact[row, TOUCHING_PARTICLE], contact[row, TOUCHED_BODY] = i, body
-    contact[row, MOVES_BODY] = int(_moves(world, i, body))
-    arm = minus(point, vector_at(pose, body, POSITION))
-    runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
-    friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
-    motion = floats(world, MOTION)
-    moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
-    if contact[row, MOVES_BODY] == 0:
-        runs = plus(runs, moves)
-    # The body has moved already, the particle has not: the gap is that at the start of the substep.
-    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
-    for k in range(3):
-        numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
-        numbers[row, GROUND_VELOCITY + k] = runs[k]
-    return True
-
-
-@compiled(inline=True)
-def _moves(world: int, i: int, body: int) -> bool:
-    """Whether a body receives the reaction of a particle; a sleeping one does if it is hit, and wakes before the next step."""
-    own, v = integers(world, BODY), vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY)
-    slow = floats(world, SETTINGS)[0, SLEEP_SPEED]
-    takes: bool = own[body, BODY_KIND] == DYNAMIC and (own[body, AWAKE] != 0 or dot(v, v) > slow * slow)
-    return takes

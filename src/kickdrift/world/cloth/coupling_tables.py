@@ -12,6 +12,7 @@ from kickdrift.world.cloth.couplings import Bending, bending_of, couplings_of
 from kickdrift.world.cloth.curvature import curvature_of
 from kickdrift.world.cloth.mesh import ClothMesh, flattened
 from kickdrift.world.cloth.ranges import replace_rows
+from kickdrift.world.cloth.rope_mesh import rope_bending
 from kickdrift.world.cloth.vibration import bending_rate
 from kickdrift.world.tables import (
     CLOTH,
@@ -44,13 +45,18 @@ def put_couplings(tables: Tables, row: int, mesh: ClothMesh) -> None:
     own, numbers = tables.array(CLOTH)[row], tables.array(CLOTH_NUMBERS)[row]
     vertices, faces = slice(*own[c.FIRST_PARTICLE :][:2]), slice(*own[c.FIRST_FACE :][:2])
     particles, areas = tables.array(PARTICLE)[vertices], tables.array(FACE_NUMBERS)[faces, c.FACE_AREA]
-    flat, _ = flattened(mesh, np.array([1.0, 0.0, 0.0]))  # any axes will do: bending is the same in all directions
-    bending = bending_of(mesh, curvature_of(mesh, flat, particles[:, c.PARTICLE_INVERSE_MASS] == 0.0))
+    pinned = particles[:, c.PARTICLE_INVERSE_MASS] == 0.0
+    if own[c.DIMENSION] == c.ROPE:
+        bending, areas = rope_bending(mesh, pinned)  # lengths in place of areas
+    else:
+        flat, _ = flattened(mesh, np.array([1.0, 0.0, 0.0]))  # any axes will do: bending is the same in all directions
+        bending = bending_of(mesh, curvature_of(mesh, flat, pinned))
     couplings = couplings_of(bending, areas, len(particles))
     tables.array(PARTICLE_COUPLINGS)[vertices] = couplings.ranges
     rows = {COUPLING: couplings.offsets[:, None], COUPLING_NUMBERS: couplings.weights[:, None]}
     replace_rows(tables, row, c.FIRST_COUPLING, rows)
-    replace_rows(tables, row, c.FIRST_CURVED, _curved(bending, areas, int(own[c.FIRST_PARTICLE])))
+    if own[c.DIMENSION] == c.SHEET:
+        replace_rows(tables, row, c.FIRST_CURVED, _curved(bending, areas, int(own[c.FIRST_PARTICLE])))
     rate = bending_rate(mesh, bending, areas, particles[:, c.PARTICLE_MASS])
     numbers[c.BENDING_RATE] = math.sqrt(numbers[c.ASKED + 2]) * rate
 

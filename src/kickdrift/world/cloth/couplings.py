@@ -23,7 +23,7 @@ class Bending(NamedTuple):
     Attributes
     ----------
     rows : (M, 3, 6) array
-        H: derivatives of the curvature (xx, yy, sqrt 2 xy), each times the normal, by positions, 1/m^2.
+        H: derivatives of the curvature (xx, yy, sqrt 2 xy), each times the normal, by positions, 1/m^2. Of a rope (M, 1, 3).
     stencils : (M, 6) array
         The vertices; beyond the border, the first corner stands for them, with zeros in `rows`.
     rest : (M, 3) array
@@ -74,13 +74,17 @@ def bending_of(mesh: ClothMesh, curvature: Curvature) -> Bending:
     return Bending(rows, stencils, np.where(np.abs(rest).max(axis=1, keepdims=True) * sizes > _FLAT, rest, 0.0))
 
 
-def couplings_of(bending: Bending, areas: Floats, count: int) -> Couplings:
-    """Sum the forces between pairs of `count` vertices over triangles: the off-diagonal elements of sum A H^T H."""
+def couplings_of(bending: Bending, sizes: Floats, count: int) -> Couplings:
+    """Sum the forces between pairs of `count` vertices over triangles: the off-diagonal elements of sum A H^T H.
+
+    `sizes` are their areas A; of a rope the lengths in place of these.
+    """
     from scipy.sparse import csr_array, diags_array  # takes 0.15 s, which worlds without cloth need not spend
 
-    rows = bending.rows * np.sqrt(areas)[:, None, None]
-    starts, columns = np.arange(0, rows.size + 1, 6), np.broadcast_to(bending.stencils[:, None, :], rows.shape)
-    roots = csr_array((rows.ravel(), columns.ravel(), starts), shape=(3 * len(rows), count))
+    rows = bending.rows * np.sqrt(sizes)[:, None, None]
+    starts = np.arange(0, rows.size + 1, rows.shape[2])
+    columns = np.broadcast_to(bending.stencils[:, None, :], rows.shape)
+    roots = csr_array((rows.ravel(), columns.ravel(), starts), shape=(len(starts) - 1, count))
     product = roots.T @ roots
     pairs = diags_array(product.diagonal()) - 0.5 * (product + product.T)  # symmetric to the last digit
     largest = np.abs(pairs.data).max(initial=0.0)

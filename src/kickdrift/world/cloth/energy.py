@@ -36,7 +36,7 @@ def cloth_energy(tables: Tables) -> tuple[float, float]:
     x, v = particles[:, :3], particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
     moved = _moved(tables)
     gravity = tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3]
-    elastic = _membrane(tables, x) + _bending(tables, x)
+    elastic = _membrane(tables, x) + _tension(tables, x) + _bending(tables, x)
     return float(0.5 * moved @ (v * v).sum(axis=1)), float(elastic - moved @ (x @ gravity))
 
 
@@ -77,6 +77,16 @@ def _membrane(tables: Tables, x: Floats) -> float:
     shear = (u * v).sum(axis=1) ** 2
     density = of_faces[:, c.STRETCH] * stretch + of_faces[:, c.SHEAR] * shear
     return float(0.5 * rest[:, c.FACE_AREA] @ density)
+
+
+def _tension(tables: Tables, x: Floats) -> float:
+    """Return the energy of the tension of ropes, J."""
+    own, rest = tables.array(CLOTH), tables.array(FACE_NUMBERS)
+    stiffness = np.repeat(tables.array(CLOTH_NUMBERS)[:, c.STRETCH], own[:, c.LAST_FACE] - own[:, c.FIRST_FACE])
+    of = np.flatnonzero(rest[:, c.REST_LENGTH])
+    ends, at_rest = x[tables.array(FACE)[of, c.CORNERS : c.CORNERS + 2]], rest[of, c.REST_LENGTH]
+    longer = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) - at_rest
+    return float(0.5 * stiffness[of] @ (longer**2 / at_rest))
 
 
 def _bending(tables: Tables, x: Floats) -> float:

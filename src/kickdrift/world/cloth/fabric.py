@@ -1,11 +1,8 @@
 """Material parameters of cloths."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
-from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import number
+from kickdrift.world.cloth.material import check_numbers
 
 _POSITIVE = ("density", "thickness", "stretch_stiffness")
 _UNITS = {
@@ -13,9 +10,6 @@ _UNITS = {
     "damping": "s", "linear_damping": "1/s", "friction": "1", "drag": "1", "lift": "1", "air_density": "kg/m^3",
     "tear_strain": "1",
 }  # fmt: skip
-
-
-_SMALLEST, _LARGEST = 1e-15, 1e15  # range of all parameters, in which squares of derived quantities are finite
 
 
 @dataclass(frozen=True)
@@ -67,24 +61,4 @@ class Fabric:
     tear_strain: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, unit in _UNITS.items():
-            value = number(name, getattr(self, name), unit, zero=name not in _POSITIVE)
-            if value > _LARGEST or 0.0 < value < _SMALLEST:
-                zero = "" if name in _POSITIVE else "zero or "
-                raise ArgumentError(f"{name}={value!r} must be {zero}from {_SMALLEST:g} to {_LARGEST:g} {unit}.")
-            object.__setattr__(self, name, value)
-
-
-def fabric_of(options: Mapping[str, Any]) -> Fabric:
-    """Return a fabric with these options.
-
-    Raises
-    ------
-    ArgumentError
-        For unknown options, and for invalid values.
-    """
-    known = [field.name for field in fields(Fabric)]
-    unknown = [name for name in options if name not in known]
-    if unknown:
-        raise ArgumentError(f"{unknown[0]}= is not an option of a cloth; the options are {', '.join(known)}.")
-    return Fabric(**options)
+        check_numbers(self, _UNITS, _POSITIVE)

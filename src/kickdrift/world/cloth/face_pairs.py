@@ -25,10 +25,10 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.cloth.separation import are_apart, nearing
-from kickdrift.world.cloth.swept import least_cosine, predicted
+from kickdrift.world.cloth.swept_bounds import least_cosine, predicted
 from kickdrift.world.cloth.tangles import note_crossing
 from kickdrift.world.columns import vector_at
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     CLOTH_NUMBERS,
     CLOTH_PAIR,

@@ -115,6 +115,7 @@ def owned(triangles: Integers) -> Integers:
     ends = np.sort(np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
     sides = np.zeros(3 * count, dtype=np.int64)
     sides[np.unique(ends, axis=0, return_index=True)[1]] = 1
+    sides[ends[:, 0] == ends[:, 1]] = 0  # of segments of ropes
     bits = np.array([1, 2, 4])
     total: Integers = sets.reshape(-1, 3) @ bits + 8 * (sides.reshape(-1, 3) @ bits)
     return total

@@ -32,6 +32,7 @@ def check_cloths(rows: FileTables) -> None:
         rows.count(name, len(rows[of]))
     cloths = rows["CLOTH"]
     rows.holds("CLOTH", c.PARTS, cloths[:, c.PARTS] >= 1)
+    rows.within("CLOTH", c.DIMENSION, c.ROPE, c.SHEET)
     generations = cloths[:, c.CLOTH_GENERATION]
     rows.holds("CLOTH", c.CLOTH_GENERATION, (generations >= 0) & (np.diff(generations, prepend=-1) > 0))
     for name, column in _RANGES:  # one cloth after the other
@@ -41,6 +42,7 @@ def check_cloths(rows: FileTables) -> None:
         rows.holds("CLOTH", column, cloths[:, column] == ends[:-1])
         rows.count(name, int(ends[-1]))
     _check_indices(rows, "FACE", c.CORNERS, 3, c.FIRST_FACE, c.FIRST_PARTICLE)
+    _check_segments(rows)
     _check_indices(rows, "CURVED_FACE", c.STENCIL, 6, c.FIRST_CURVED, c.FIRST_PARTICLE)
     _check_parents(rows)
     _check_indices(rows, "PIN", c.PINNED_PARTICLE, 1, c.FIRST_PIN, c.FIRST_PARTICLE)
@@ -58,6 +60,21 @@ def _check_indices(rows: FileTables, name: str, first: int, size: int, own: int,
     cloth = np.repeat(np.arange(len(cloths)), cloths[:, own + 1] - cloths[:, own])
     least, most = cloths[cloth, of][:, None], cloths[cloth, of + 1][:, None]
     rows.holds(name, first, (values >= least) & (values < most))
+
+
+def _check_segments(rows: FileTables) -> None:
+    """Ask that the segments of ropes, and nothing else, have a length, and join consecutive vertices."""
+    cloths, lengths = rows["CLOTH"], rows["FACE_NUMBERS"][:, c.REST_LENGTH]
+    of = np.repeat(np.arange(len(cloths)), cloths[:, c.LAST_FACE] - cloths[:, c.FIRST_FACE])
+    is_segment = cloths[of, c.DIMENSION] == c.ROPE
+    rows.holds("FACE_NUMBERS", c.REST_LENGTH, np.where(is_segment, lengths > 0.0, lengths == 0.0))
+    first = cloths[of, c.FIRST_PARTICLE] + np.arange(len(of)) - cloths[of, c.FIRST_FACE]
+    ends = np.stack((first, first + 1, first + 1), axis=1)
+    corners = rows["FACE"][:, c.CORNERS : c.CORNERS + 3]
+    rows.holds("FACE", c.CORNERS, (corners == ends)[is_segment])
+    ropes = cloths[cloths[:, c.DIMENSION] == c.ROPE]
+    inner = ropes[:, c.LAST_PARTICLE] - ropes[:, c.FIRST_PARTICLE] - 1
+    rows.holds("CLOTH", c.FIRST_FACE, ropes[:, c.LAST_FACE] - ropes[:, c.FIRST_FACE] == inner)
 
 
 def _check_parents(rows: FileTables) -> None:

@@ -51,15 +51,17 @@ MEETS_ITSELF = column(CLOTH)
 FIRST_GROUP, LAST_GROUP = column(CLOTH), column(CLOTH)
 IS_ASLEEP = column(CLOTH)  # of the first cloth, for all of them
 STIRRED = 2  # value of IS_ASLEEP: they sleep, but the user has moved them
+DIMENSION = column(CLOTH)
+ROPE, SHEET, VOLUME = 1, 2, 3  # values of DIMENSION
 
 # CLOTH_NUMBERS
-STRETCH = column(CLOTH_NUMBERS, 1, "N/m")  # stiffness in use
+STRETCH = column(CLOTH_NUMBERS, 1, "N/m")  # stiffness in use; of a rope in N
 SHEAR = column(CLOTH_NUMBERS, 1, "N/m")
-BENDING = column(CLOTH_NUMBERS, 1, "N m")
+BENDING = column(CLOTH_NUMBERS, 1, "N m")  # of a rope in N m^2
 MEMBRANE_DAMPING = column(CLOTH_NUMBERS, 1, "s")  # in use
 BENDING_DAMPING = column(CLOTH_NUMBERS, 1, "s")
 CLOTH_RADIUS = column(CLOTH_NUMBERS, 1, "m")  # half the thickness
-AREA_DENSITY = column(CLOTH_NUMBERS, 1, "kg/m^2")
+AREA_DENSITY = column(CLOTH_NUMBERS, 1, "kg/m^2")  # of a sheet
 LINEAR_DAMPING = column(CLOTH_NUMBERS, 1, "1/s")
 CLOTH_FRICTION = column(CLOTH_NUMBERS)
 DRAG = column(CLOTH_NUMBERS, 1, "kg/m^3")  # coefficient times density of the air
@@ -107,6 +109,7 @@ OWNED = column(FACE)  # bits of its corners, then of the sides that begin there,
 # FACE_NUMBERS
 TO_REST = column(FACE_NUMBERS, 4, "1/m")  # inverse matrix of the two edges from the first corner, in warp and weft
 FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
+REST_LENGTH = column(FACE_NUMBERS, 1, "m")  # of a segment of a rope, a triangle whose second corner is the third, too
 
 # FACE_GROUP, GROUP_REST and GROUP_STRAIN, eight numbers of each
 GROUP_CORNERS = column(FACE_GROUP, 24)  # particles: the first corners, the second and the third ones
@@ -136,7 +139,8 @@ PIN_POSITION = column(PIN_NUMBERS, 3, "m")  # in the body
 TOUCHING_PARTICLE = column(CLOTH_CONTACT)
 TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1 if the body receives the reaction
-IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven have different particles and move no body
+IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven are of different particles each, and move no body
+OTHER_PARTICLE = column(CLOTH_CONTACT)  # the other end of a segment that touches; otherwise the particle itself
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
@@ -145,6 +149,7 @@ CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 # Surface velocity of the shape; relative to its body if MOVES_BODY
 GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
+OTHER_SHARE = column(CLOTH_CONTACT_NUMBERS)  # where on its segment it touches: 0 at the particle, 1 at the other one
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # displacement in the drift besides that of its velocity

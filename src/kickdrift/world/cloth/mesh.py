@@ -48,7 +48,7 @@ def cloth_mesh(vertices: ArrayLike, triangles: ArrayLike) -> ClothMesh:
         repeated corners or with the same vertices, edges of three triangles, and adjacent triangles of opposite orientation;
         the message names the vertex or the triangle.
     """
-    points, faces = _vertices(vertices), _triangles(triangles)
+    points, faces = vertices_of(vertices), _triangles(triangles)
     _check_corners(points, faces)
     _check_areas(points, faces)
     return ClothMesh(points, faces, *_shared_edges(faces))
@@ -105,19 +105,26 @@ def masses_of(mesh: ClothMesh, weights: Floats) -> Floats:
     return np.asarray(np.bincount(mesh.triangles.ravel(), weights=thirds), dtype=np.float64)
 
 
-def _vertices(vertices: ArrayLike) -> Floats:
+def vertices_of(vertices: ArrayLike, name: str = "vertices", each: str = "vertex") -> Floats:
+    """Check positions of vertices, which messages call by these names, and return them as an array.
+
+    Raises
+    ------
+    ArgumentError
+        If they are not an (N, 3) array of numbers that are finite and not too large.
+    """
     try:
         points = reals(vertices)
     except TypeError:
-        raise ArgumentError("vertices must be an (N, 3) array of numbers, in m.") from None
+        raise ArgumentError(f"{name} must be an (N, 3) array of numbers, in m.") from None
     if points.ndim != 2 or points.shape[1] != 3:
-        raise ArgumentError(f"vertices has the shape {points.shape}; give an (N, 3) array, in m.")
+        raise ArgumentError(f"{name} has the shape {points.shape}; give an (N, 3) array, in m.")
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if wrong.size:
-        raise ArgumentError(f"vertex {wrong[0]} is at {points[wrong[0]]}, which is not finite.")
+        raise ArgumentError(f"{each} {wrong[0]} is at {points[wrong[0]]}, which is not finite.")
     far = np.flatnonzero((np.abs(points) > _FAR).any(axis=1))
     if far.size:
-        raise ArgumentError(f"vertex {far[0]} is at {points[far[0]]}, farther than {_FAR:g} m; give a smaller cloth.")
+        raise ArgumentError(f"{each} {far[0]} is at {points[far[0]]}, farther than {_FAR:g} m; give smaller numbers.")
     return points
 
 

@@ -1,41 +1,37 @@
 """The mesh of a cloth in the tables of a world."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.building import Built
 from kickdrift.world.cloth.face_tree import owned
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh
 from kickdrift.world.cloth.ranges import replace_rows, rows_of
-from kickdrift.world.tables import CLOTH, FACE, FACE_NUMBERS, PARTICLE, PARTICLE_COUPLINGS, PARTICLE_REST, Tables
+from kickdrift.world.cloth.rope_mesh import segments
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_NUMBERS,
+    FACE,
+    FACE_NUMBERS,
+    PARTICLE,
+    PARTICLE_COUPLINGS,
+    PARTICLE_REST,
+    Tables,
+)
 
-Floats = NDArray[np.float64]
 
-
-def put_mesh(tables: Tables, row: int, mesh: ClothMesh, masses: Floats, at_rest: Floats) -> None:
-    """Give a cloth the vertices of a mesh, at their positions, and its triangles.
-
-    Parameters
-    ----------
-    tables : Tables
-    row : int
-        Of the cloth.
-    mesh : ClothMesh
-    masses : (N,) array
-        Of the vertices, kg.
-    at_rest : (M, 5) array
-        `TO_REST` and `FACE_AREA` of the triangles.
-    """
-    count = len(masses)
+def put_mesh(tables: Tables, row: int, built: Built) -> None:
+    """Write the mesh and numbers of a cloth or a rope to its row, which is empty."""
+    mesh, masses, count = built.mesh, built.masses, len(built.masses)
+    tables.array(CLOTH)[row, c.DIMENSION], tables.array(CLOTH_NUMBERS)[row] = built.dimension, built.numbers
     particles, rest = np.zeros((count, PARTICLE.width)), np.zeros((count, PARTICLE_REST.width))
     rest[:, :3] = particles[:, :3] = mesh.vertices
     particles[:, c.PARTICLE_MASS], particles[:, c.PARTICLE_INVERSE_MASS] = masses, 1.0 / masses
     couplings = np.zeros((count, PARTICLE_COUPLINGS.width), dtype=np.int64)
     of_particles = {PARTICLE: particles, PARTICLE_REST: rest, PARTICLE_COUPLINGS: couplings}
     replace_rows(tables, row, c.FIRST_PARTICLE, of_particles)
-    faces, numbers = np.zeros((len(at_rest), FACE.width), np.int64), np.zeros((len(at_rest), FACE_NUMBERS.width))
-    numbers[:, c.TO_REST : c.FACE_AREA + 1] = at_rest
-    replace_rows(tables, row, c.FIRST_FACE, {FACE: faces, FACE_NUMBERS: numbers})
+    faces = np.zeros((len(built.at_rest), FACE.width), np.int64)
+    replace_rows(tables, row, c.FIRST_FACE, {FACE: faces, FACE_NUMBERS: built.at_rest})
     put_triangles(tables, row, mesh)
 
 
@@ -49,5 +45,7 @@ def put_triangles(tables: Tables, row: int, mesh: ClothMesh) -> None:
 def mesh_in(tables: Tables, row: int) -> ClothMesh:
     """Return the mesh of a cloth at rest."""
     rest = rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE_REST)[:, :3].copy()
+    if tables.array(CLOTH)[row, c.DIMENSION] == c.ROPE:
+        return segments(rest)
     corners = rows_of(tables, row, c.FIRST_FACE, FACE)[:, c.CORNERS : c.CORNERS + 3]
     return cloth_mesh(rest, corners - tables.array(CLOTH)[row, c.FIRST_PARTICLE])

@@ -15,9 +15,10 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
-from kickdrift.world.cloth.crossings import stop_crossings
+from kickdrift.world.cloth.continuous_collision import stop_crossings
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
+    DIMENSION,
     FIRST_PARTICLE,
     INTERVAL,
     INVALID,
@@ -26,6 +27,7 @@ from kickdrift.world.cloth.layout import (
     LINEAR_DAMPING,
     PARTICLE_VELOCITY,
     PARTS,
+    ROPE,
     SEARCH_AGE,
     SEARCH_STATE,
     SHARED_PARTS,
@@ -37,11 +39,12 @@ from kickdrift.world.cloth.pair_impulses import begin_interval, hold_pairs, reso
 from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
 from kickdrift.world.cloth.particle_lanes import drift_particles, fill_lanes, kick_by_forces
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
-from kickdrift.world.cloth.swept import find_strays, set_frame, travels
+from kickdrift.world.cloth.swept_bounds import find_strays, set_frame, travels
+from kickdrift.world.cloth.tension import add_tension
 from kickdrift.world.cloth.wind import add_wind
 from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
-from kickdrift.world.step_status import report_cloth
+from kickdrift.world.step.status import report_cloth
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
@@ -191,7 +194,10 @@ def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: f
     share = 0.5 if begins or ends else 1.0
     # The damping impulse is whole at the end, since no change is known at the beginning of the next substep.
     damped = 0.0 if begins else 1.0 / part
-    add_membrane(world, cloth, share, damped)
+    if integers(world, CLOTH)[cloth, DIMENSION] == ROPE:
+        add_tension(world, cloth, share, damped * part)
+    else:
+        add_membrane(world, cloth, share, damped)
     add_bending(world, cloth, share, damped)
     _kick(world, cloth, part, share, begins, left)
     resolve_contacts(world, cloth, part, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED], left)

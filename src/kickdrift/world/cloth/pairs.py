@@ -33,7 +33,7 @@ from kickdrift.world.cloth.layout import (
     SOUGHT,
     VALID,
 )
-from kickdrift.world.cloth.swept import find_strays, has_strayed, is_flat, set_frame, start_search, sweep
+from kickdrift.world.cloth.swept_bounds import find_strays, has_strayed, is_flat, set_frame, start_search, sweep
 from kickdrift.world.cloth.tangles import CROSSING, tangle
 from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
 from kickdrift.world.tables import (

@@ -51,17 +51,19 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
         ends = np.searchsorted(tree.neighbours[:, 0], np.arange(len(tree.items) + 1))
         marks[:, c.NEAR_NODES], marks[:, c.NEAR_NODES + 1] = count + ends[:-1], count + ends[1:]
         tables.resize(t.TREE_NEIGHBOUR, count + len(tree.neighbours))[count:] = tree.neighbours[:, 1:]
-        _group(tables, cloth)
+        cloth[[c.FIRST_GROUP, c.LAST_GROUP]] = tables.count(t.FACE_GROUP)
+        if cloth[c.DIMENSION] == c.SHEET:
+            _group(tables, cloth)
 
 
 def _group(tables: t.Tables, cloth: Integers) -> None:
-    """Write the groups of the triangles of a cloth."""
+    """Write the groups of the triangles of a sheet, after those of others."""
     faces = slice(cloth[c.FIRST_FACE], cloth[c.LAST_FACE])
     numbers = tables.array(t.FACE_NUMBERS)[faces, c.TO_REST : c.FACE_AREA + 1]
     groups = face_groups(tables.array(t.FACE)[faces, c.CORNERS : c.CORNERS + 3], numbers)
     first, rest = tables.count(t.FACE_GROUP), tables.count(t.GROUP_REST)
     last = first + len(groups.corners)
-    cloth[[c.FIRST_GROUP, c.LAST_GROUP]] = first, last
+    cloth[c.LAST_GROUP] = last
     rows = tables.resize(t.FACE_GROUP, last)[first:]
     rows[:, c.GROUP_CORNERS : c.GROUP_CORNERS + 24] = groups.corners.reshape(-1, 24)
     rows[:, c.RESTS], rows[:, c.IN_ROWS] = rest + groups.of, groups.in_rows

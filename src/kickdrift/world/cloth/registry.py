@@ -1,40 +1,41 @@
-"""The cloths of a world: their rows in its tables, and the checks of their handles."""
+"""The cloths and ropes of a world: their rows in its tables, and the checks of their handles."""
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 from weakref import ReferenceType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, unknown_name
 from kickdrift.world.atomic import alone, undivided
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.building import Built
 from kickdrift.world.cloth.coupling_tables import put_couplings
-from kickdrift.world.cloth.fabric import Fabric
+from kickdrift.world.cloth.deformable import Deformable
 from kickdrift.world.cloth.handle import Cloth
-from kickdrift.world.cloth.membrane import inverse_edges
-from kickdrift.world.cloth.mesh import ClothMesh, flattened, masses_of
+from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.cloth.mesh_tables import mesh_in, put_mesh
 from kickdrift.world.cloth.particle_tables import arrange
 from kickdrift.world.cloth.pinning import add_pins, remove_pins
 from kickdrift.world.cloth.ranges import add_range, remove_range, rows_of
+from kickdrift.world.cloth.rope import Rope
 from kickdrift.world.cloth.splitting import Split, cut_by_plane, put_split
 from kickdrift.world.cloth.tearing import find_tears
-from kickdrift.world.cloth.tuning import softness, tune
+from kickdrift.world.cloth.tuning import WORDS, softness, tune
 from kickdrift.world.cloth.vibration import put_membrane_rate
 from kickdrift.world.names import Names
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, PARTICLE, PIN, Tables
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PIN, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+D = TypeVar("D", bound=Deformable)
 
 
 class Cloths:
@@ -55,40 +56,25 @@ class Cloths:
         self._substep, self._arranged = 0.0, -1
 
     @undivided
-    def add(self, mesh: ClothMesh, fabric: Fabric, warp: Floats, name: str | None, self_collision: bool) -> Cloth:
-        """Add a cloth with a mesh, free of tension, and return its handle."""
+    def add(self, built: Built, kind: type[D], name: str | None, self_collision: bool) -> D:
+        """Add a cloth or a rope, free of tension, and return its handle, which is of this kind."""
         tables, name = self.tables, self.names.checked(name)
-        to_rest = inverse_edges(flattened(mesh, warp)[0])
-        areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
-        masses = masses_of(mesh, fabric.density * areas)
         row = add_range(tables)
-        put_mesh(tables, row, mesh, masses, np.column_stack((to_rest, areas)))
-        own, numbers = tables.array(CLOTH)[row], tables.array(CLOTH_NUMBERS)[row]
-        generation, self.n_made = self.n_made, self.n_made + 1
+        put_mesh(tables, row, built)
+        own, generation = tables.array(CLOTH)[row], self.n_made
+        self.n_made += 1
         own[c.PARTS], own[c.CLOTH_GENERATION], own[c.MEETS_ITSELF] = 1, generation, int(self_collision)
         self._arranged = -1
-        asked = (
-            fabric.stretch_stiffness,
-            fabric.shear_stiffness,
-            fabric.bending_stiffness,
-            fabric.damping,
-            fabric.damping,
-        )
-        numbers[c.STRETCH : c.STRETCH + 5] = numbers[c.ASKED : c.ASKED + 5] = asked
-        numbers[c.CLOTH_RADIUS], numbers[c.AREA_DENSITY] = 0.5 * fabric.thickness, fabric.density
-        numbers[c.SKIN] = min(_OF_THICKNESS * fabric.thickness, _SKIN * math.sqrt(float(np.median(areas))))
-        numbers[c.CLOTH_FRICTION], numbers[c.LINEAR_DAMPING] = fabric.friction, fabric.linear_damping
-        numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
-        numbers[c.TEAR_STRAIN] = fabric.tear_strain
-        put_membrane_rate(tables, row, mesh)
+        if built.dimension == c.SHEET:
+            put_membrane_rate(tables, row, built.mesh)
         self.names.give(row, name)
         self._couple(row)
         self._bodies.wake()
         self.wake()
-        return Cloth(row, generation, self)
+        return kind(row, generation, self)
 
     @undivided
-    def remove(self, cloth: Cloth) -> None:
+    def remove(self, cloth: Deformable) -> None:
         """Remove a cloth; see `World.remove_cloth`."""
         row = self.row(cloth)
         repr(cloth)  # its name is kept for later errors
@@ -156,11 +142,11 @@ class Cloths:
         """Have `tune` choose again, after the tables were replaced."""
         self._substep, self._arranged = 0.0, -1
 
-    def row(self, cloth: Cloth, argument: str = "cloth") -> int:
-        """Return the row of an existing cloth; ArgumentError if it was removed, or is not of this world."""
-        if not isinstance(cloth, Cloth) or cloth.registry is not self:
+    def row(self, cloth: Deformable, argument: str = "cloth") -> int:
+        """Return the row of an existing cloth or rope; ArgumentError if it was removed, or is not of this world."""
+        if not isinstance(cloth, Deformable) or cloth.registry is not self:
             raise ArgumentError(
-                f"{argument}={cloth!r} is not a cloth of this world; give a handle from World.add_cloth."
+                f"{argument}={cloth!r} is not a cloth or rope of this world; give a handle from World.add_cloth or add_rope."
             )
         index = cloth.index
         if not self.knows(index, cloth.generation):
@@ -176,18 +162,27 @@ class Cloths:
 
     def words(self, row: int) -> str:
         """Return the name of a cloth, or its row, for messages."""
-        return f"cloth {(self.names.of(row) or row)!r}"
+        return f"{WORDS[int(self.tables.array(CLOTH)[row, c.DIMENSION])]} {(self.names.of(row) or row)!r}"
 
     def knows(self, index: int, generation: int) -> bool:
         """Whether a row holds the cloth of a generation."""
         cloths = self.tables.array(CLOTH)
         return 0 <= index < len(cloths) and bool(cloths[index, c.CLOTH_GENERATION] == generation)
 
-    def handle(self, row: int) -> Cloth:
+    def handle(self, row: int) -> Deformable:
         """Return the handle of a row."""
-        return Cloth(row, int(self.tables.array(CLOTH)[row, c.CLOTH_GENERATION]), self)
+        own = self.tables.array(CLOTH)[row]
+        return _HANDLES[int(own[c.DIMENSION])](row, int(own[c.CLOTH_GENERATION]), self)
 
-    def particles(self, cloth: Cloth) -> Floats:
+    def named(self, name: str, kind: type[D]) -> D:
+        """Return the handle of the one with a name; UnknownNameError if there is none of this kind."""
+        known = {named: self.handle(row) for row, named in self.names.all().items()}
+        found = known.get(name)
+        if not isinstance(found, kind):
+            raise unknown_name("name", name, [each for each, handle in known.items() if isinstance(handle, kind)])
+        return found
+
+    def particles(self, cloth: Deformable) -> Floats:
         """Return the rows of the vertices, a live view."""
         return rows_of(self.tables, self.row(cloth), c.FIRST_PARTICLE, PARTICLE)
 
@@ -195,13 +190,17 @@ class Cloths:
         """Return the vertices of the triangles, a copy."""
         return self.mesh(self.row(cloth)).triangles
 
-    def numbers(self, cloth: Cloth, name: str) -> Floats:
+    def rest_lengths(self, rope: Deformable) -> Floats:
+        """Return the lengths of the segments of a rope at rest, m, a copy."""
+        return rows_of(self.tables, self.row(rope), c.FIRST_FACE, FACE_NUMBERS)[:, c.REST_LENGTH].copy()
+
+    def numbers(self, cloth: Deformable, name: str) -> Floats:
         """Return a property by its name, a copy."""
         first, size = _COLUMNS[name]
         return self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size].copy()
 
     @alone
-    def set_numbers(self, cloth: Cloth, name: str, value: ArrayLike) -> None:
+    def set_numbers(self, cloth: Deformable, name: str, value: ArrayLike) -> None:
         """Set a property by its name, and wake bodies and cloths."""
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
@@ -210,7 +209,7 @@ class Cloths:
         self.wake()
 
     @undivided
-    def pin(self, cloth: Cloth, vertices: ArrayLike, body: Body | None) -> None:
+    def pin(self, cloth: Deformable, vertices: ArrayLike, body: Body | None) -> None:
         """Pin vertices; see `Cloth.pin`."""
         rows, of = self._rows_of(cloth, vertices), None if body is None else self._bodies.row(body, "body")
         particles = self.tables.array(PARTICLE)
@@ -225,7 +224,7 @@ class Cloths:
         self.tables.altered = True
 
     @undivided
-    def unpin(self, cloth: Cloth, vertices: ArrayLike) -> None:
+    def unpin(self, cloth: Deformable, vertices: ArrayLike) -> None:
         """Release vertices; see `Cloth.unpin`."""
         self._free(self.row(cloth), self._rows_of(cloth, vertices))
 
@@ -256,7 +255,7 @@ class Cloths:
         self.wake()
         self.tables.altered = True
 
-    def stiffness(self, cloth: Cloth) -> tuple[float, float, float]:
+    def stiffness(self, cloth: Deformable) -> tuple[float, float, float]:
         """Return the stiffness in use; see `Cloth.stiffness`."""
         row = self.tables.array(CLOTH_NUMBERS)[self.row(cloth)]
         stretch, shear, bending = row[c.STRETCH : c.STRETCH + 3].tolist()
@@ -264,10 +263,10 @@ class Cloths:
 
     def notes(self) -> str:
         """Return notes on cloths that are softer or less damped than their fabric, and what would help."""
-        rows = enumerate(self.tables.array(CLOTH_NUMBERS))
-        return "".join(softness(self.words(row), numbers) for row, numbers in rows)
+        rows = enumerate(zip(self.tables.array(CLOTH)[:, c.DIMENSION], self.tables.array(CLOTH_NUMBERS), strict=True))
+        return "".join(softness(self.words(row), int(dimension), numbers) for row, (dimension, numbers) in rows)
 
-    def _rows_of(self, cloth: Cloth, vertices: ArrayLike) -> Integers:
+    def _rows_of(self, cloth: Deformable, vertices: ArrayLike) -> Integers:
         """Return the rows of vertices, without repetition; ArgumentError for invalid ones."""
         count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))
         if chosen.dtype.kind not in "iu" or chosen.ndim != 1:
@@ -278,7 +277,7 @@ class Cloths:
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
 
 
-# Upper bounds of the skin, relative to thickness and triangle size: with 0.2 of the latter, neighbours in a sheet would be
-# pairs.
-_OF_THICKNESS, _SKIN = 0.5, 0.12
-_COLUMNS = {"wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1), "tear_strain": (c.TEAR_STRAIN, 1)}
+_COLUMNS = {
+    "wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1), "tear_strain": (c.TEAR_STRAIN, 1), "radius": (c.CLOTH_RADIUS, 1),
+}  # fmt: skip
+_HANDLES: dict[int, type[Deformable]] = {c.ROPE: Rope, c.SHEET: Cloth}

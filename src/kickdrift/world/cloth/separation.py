@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus, plus, times
 from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, PREDICTED_VELOCITY, SEARCH_AGE, SEARCH_HORIZON, SKIN
 from kickdrift.world.cloth.proximity import Corners, closing, less_mean
-from kickdrift.world.cloth.swept import predicted
+from kickdrift.world.cloth.swept_bounds import predicted
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE_PATH, floats, integers
 

@@ -17,7 +17,7 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.sleeping import TIME, is_awake, mark_island, wake_marked
-from kickdrift.world.step_status import OK, STATUS
+from kickdrift.world.step.status import OK, STATUS
 from kickdrift.world.tables import (
     BODY,
     CLOTH,

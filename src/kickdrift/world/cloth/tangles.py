@@ -13,7 +13,7 @@ from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, time
 from kickdrift.world.cloth.layout import CORNERS, CROSSINGS, IS_TANGLED, PAIR_FACES, PAIR_KIND, PARTICLE_INVERSE_MASS
 from kickdrift.world.cloth.proximity import barycentric
 from kickdrift.world.columns import vector_at
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     CLOTH_PAIR,
     CLOTH_PAIR_NUMBERS,

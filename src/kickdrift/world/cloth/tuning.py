@@ -15,8 +15,18 @@ MOST_PARTS = 64  # of a substep; a cloth that would need more is made softer
 # modes of membrane and bending may coincide, so their squares are added. A margin is left, since stretched cloth is stiffer in
 # shear.
 _STABLE, _DAMPED = 1.6**2, 1.8**2
-_NAMES = "stretch_stiffness", "shear_stiffness", "bending_stiffness", "damping of the membrane", "damping of bending"
-_UNITS = "N/m", "N/m", "N m", "s", "s"
+_DAMPINGS = ("damping of the membrane", "s"), ("damping of bending", "s")
+_NAMES = {
+    c.ROPE: (
+        ("stretch_stiffness", "N"),
+        ("", ""),
+        ("bending_stiffness", "N m^2"),
+        ("damping of strain", "s"),
+        _DAMPINGS[1],
+    ),
+    c.SHEET: (("stretch_stiffness", "N/m"), ("shear_stiffness", "N/m"), ("bending_stiffness", "N m"), *_DAMPINGS),
+}  # with units, in the order of `ASKED`
+WORDS = {c.ROPE: "rope", c.SHEET: "cloth"}
 
 
 def tune(own: Integers, numbers: Floats, substep: float) -> None:
@@ -46,14 +56,15 @@ def _granted(wanted: Floats, limit: float) -> Floats:
     return granted
 
 
-def softness(words: str, numbers: Floats) -> str:
-    """Return a note on a cloth that is softer or less damped than its fabric, with what would help, or an empty string."""
+def softness(words: str, dimension: int, numbers: Floats) -> str:
+    """Return a note on what is softer or less damped than its material, with what would help, or an empty string."""
     asked, used = numbers[c.ASKED : c.ASKED + 5].tolist(), numbers[c.STRETCH : c.STRETCH + 5].tolist()
     found = [
         f"{name} {now:.3g} of {wanted:.3g} {unit}"
-        for name, unit, wanted, now in zip(_NAMES, _UNITS, asked, used, strict=True)
+        for (name, unit), wanted, now in zip(_NAMES[dimension], asked, used, strict=True)
         if now < wanted
     ]
     if not found:
         return ""
-    return f" Of {words}, as much as the step allows: {', '.join(found)}; more substeps or larger triangles allow more."
+    larger = "longer segments" if dimension == c.ROPE else "larger triangles"
+    return f" Of {words}, as much as the step allows: {', '.join(found)}; more substeps or {larger} allow more."

@@ -40,7 +40,7 @@ def membrane_rate(mesh: ClothMesh, axes: Floats, to_rest: Floats, stiffness: Flo
     )
     scale = np.sqrt(stiffness[:, [0, 0, 1]])
     columns = 3 * mesh.triangles[:, :, None] + np.arange(3)
-    return _highest(rows.reshape(-1, 3, 9) * scale[..., None], columns.reshape(-1, 9), np.repeat(masses, 3))
+    return highest(rows.reshape(-1, 3, 9) * scale[..., None], columns.reshape(-1, 9), np.repeat(masses, 3))
 
 
 def put_membrane_rate(tables: Tables, row: int, mesh: ClothMesh) -> None:
@@ -63,7 +63,7 @@ def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Float
     mesh : ClothMesh
     bending : Bending
     areas : (M,) array
-        Of the triangles, m^2.
+        Of the triangles, m^2; of a rope lengths, m.
     masses : (N,) array
         kg.
 
@@ -73,28 +73,26 @@ def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Float
     gradient of the displacement, n x (opposite side) / (2 A) for each corner.
     """
     roots = np.sqrt(areas)[:, None, None]
-    highest = _highest(bending.rows * roots, bending.stencils, masses)
+    flat = highest(bending.rows * roots, bending.stencils, masses)
     if not bending.rest.any():
-        return highest
+        return flat
     corners = mesh.vertices[mesh.triangles]
     sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
     normals = np.cross(sides[:, 0], sides[:, 1])
     gradients = np.cross(normals[:, None, :], sides) / (normals**2).sum(axis=1)[:, None, None]
     curved = np.linalg.norm(bending.rest, axis=1)[:, None, None] * roots
-    return highest + _highest(curved * gradients.transpose(0, 2, 1), mesh.triangles, masses)
+    return flat + highest(curved * gradients.transpose(0, 2, 1), mesh.triangles, masses)
 
 
-def _highest(rows: Floats, columns: NDArray[np.int64], masses: Floats) -> float:
-    """Return the square root of the largest eigenvalue of M^-1/2 R^T R M^-1/2 for rows (M, 3, K) in columns (M, K)."""
+def highest(rows: Floats, columns: NDArray[np.int64], masses: Floats) -> float:
+    """Return the square root of the largest eigenvalue of M^-1/2 R^T R M^-1/2 for rows (M, J, K) in columns (M, K)."""
     from scipy.sparse import csr_array, diags_array  # takes 0.15 s, which worlds without cloth need not spend
 
-    count, width = len(rows), rows.shape[2]
-    where = np.broadcast_to(columns[:, None, :], rows.shape)
-    starts = np.arange(0, 3 * count * width + 1, width)
-    matrix = csr_array((rows.ravel(), where.ravel(), starts), shape=(3 * count, len(masses)))
-    scaled = matrix @ diags_array(1.0 / np.sqrt(masses))
     if not rows.any():
         return 0.0  # nothing resists
+    where, starts = np.broadcast_to(columns[:, None, :], rows.shape), np.arange(0, rows.size + 1, rows.shape[2])
+    matrix = csr_array((rows.ravel(), where.ravel(), starts), shape=(len(starts) - 1, len(masses)))
+    scaled = matrix @ diags_array(1.0 / np.sqrt(masses))
     products = scaled.T @ scaled
     if len(masses) < _FEW:
         return math.sqrt(float(np.linalg.eigvalsh(products.toarray())[-1]))  # a fifth of the time of singular values

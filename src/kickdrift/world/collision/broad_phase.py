@@ -28,7 +28,7 @@ from kickdrift.world.contacts.layout import (
     TRIANGLE_INDEX,
 )
 from kickdrift.world.layout import BEGINS, BODY_ROW, FIRST_BODY, FROM_SENSOR, IS_SENSOR, SEARCH_STATE, SECOND_BODY
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     CONTACT,
     EVENTS,

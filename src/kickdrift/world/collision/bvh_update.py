@@ -18,7 +18,7 @@ from kickdrift.world.collision.shape_lists import enlist
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, LOWER, SHAPE_KIND, SIZE, UPPER
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box, triangles_of
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BOUNDS,
     FIXTURES,

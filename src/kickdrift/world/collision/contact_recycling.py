@@ -25,7 +25,7 @@ from kickdrift.world.contacts.layout import (
 from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE
-from kickdrift.world.step_status import NEEDS_TIME_OF_IMPACT, STATUS
+from kickdrift.world.step.status import NEEDS_TIME_OF_IMPACT, STATUS
 from kickdrift.world.tables import (
     BODY,
     CONTACT,

@@ -13,7 +13,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.collision.clipping import CORNER, LABEL, clip
-from kickdrift.world.collision.feature_preference import SLACK
+from kickdrift.world.collision.face_preference import SLACK
 from kickdrift.world.collision.frustum_round import FLAT_ON, line_of, lowest_direction, over_end
 from kickdrift.world.collision.lying_capsules import ASTRAY, FLAT, SHORT, STEEP, beside
 from kickdrift.world.collision.manifold_points import put_normal, put_point

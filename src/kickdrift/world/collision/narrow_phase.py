@@ -1,4 +1,4 @@
-"""The narrow phase: poses of shapes, and manifolds from the contact functions of their kinds, with impulses kept by feature."""
+"""The narrow phase: poses of shapes, and manifolds from the contact functions of their kinds."""
 
 import math
 from typing import Any
@@ -8,16 +8,15 @@ from numba import carray, types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, product, turned
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, normal_to, plus, product, turned
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.columns import Fields, quaternion_at, vector_at
+from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, point_at, take_over_impulses
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
-    FEATURE,
     FOUND_POSE,
     MOVING,
     NORMAL,
-    NORMAL_IMPULSE,
     ON_A,
     POINT,
     POINT_SIZE,
@@ -63,11 +62,6 @@ COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
 
 collide = caller(COLLIDE)
 
-# Numbers of a manifold that are kept while its points are found again
-_KEPT = Fields()
-_KEPT.field(4 * POINT_SIZE)  # points
-_OLD_IMPULSE = _KEPT.field(4, "N s")
-_OLD = _KEPT.close()
 _NEAR = 0.2  # of the smaller shape: distance within which a point takes over the impulse of another one
 
 
@@ -116,11 +110,8 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     found[0], found[1], found[2] = at
     found[3], found[4], found[5], found[6] = turn
     before = contact[row, POINTS]
-    old = carray(floats_on_stack(_OLD), (_OLD,))
-    for k in range(before):
-        for j in range(POINT_SIZE):
-            old[POINT_SIZE * k + j] = own[POINT + POINT_SIZE * k + j]
-        old[_OLD_IMPULSE + k] = own[NORMAL_IMPULSE + k]
+    old = carray(floats_on_stack(OLD_SIZE), (OLD_SIZE,))
+    keep_points(own, before, old)
     count = collide(
         integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
         (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
@@ -129,43 +120,8 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     if before == 0:
         contact[row, CONTACT_STATE] |= MOVING
     place = floats(world, PLACE)
-    _keep_impulses(own, old, before, count, _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]))
+    take_over_impulses(own, old, before, count, _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]))
     own[WIDTH_OF_FACE] = _width(own, count)
-
-
-@compiled
-def _keep_impulses(own: Any, old: Any, before: int, count: int, near: float) -> None:
-    """Give each point the impulse of the old point with its features, or else of the nearest one left within `near`.
-
-    If a corner lies on an edge, rounding decides whether the point is the corner or a crossing of edges.
-    """
-    left = before
-    for new in range(count):
-        own[NORMAL_IMPULSE + new] = -1.0
-        for k in range(before):
-            if old[POINT_SIZE * k + FEATURE] == own[_id(new)]:
-                own[NORMAL_IMPULSE + new] = old[_OLD_IMPULSE + k]
-                old[_OLD_IMPULSE + k] = -1.0
-                left -= 1
-                break
-    for new in range(count):
-        if own[NORMAL_IMPULSE + new] >= 0.0:
-            continue
-        own[NORMAL_IMPULSE + new] = 0.0
-        nearest, square = -1, near * near
-        for k in range(before if left > 0 else 0):
-            away = minus(_at(own, POINT + POINT_SIZE * new + ON_A), _at(old, POINT_SIZE * k + ON_A))
-            if old[_OLD_IMPULSE + k] >= 0.0 and dot(away, away) < square:
-                nearest, square = k, dot(away, away)
-        if nearest >= 0:
-            own[NORMAL_IMPULSE + new] = old[_OLD_IMPULSE + nearest]
-            old[_OLD_IMPULSE + nearest] = -1.0
-            left -= 1
-
-
-@compiled(inline=True)
-def _at(array: Any, at: int) -> Vector:
-    return (array[at], array[at + 1], array[at + 2])
 
 
 @compiled
@@ -176,23 +132,18 @@ def _width(own: Any, count: int) -> float:
     """
     if count < 3:
         return 0.0
-    along = _at(own, NORMAL)
+    along = point_at(own, NORMAL)
     first = normal_to(along)
     second = cross(along, first)
     x, y, xx, yy, xy = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         p = POINT + POINT_SIZE * k
-        at = _at(own, p + ON_A)
+        at = point_at(own, p + ON_A)
         u, v = dot(first, at), dot(second, at)
         x, y, xx, yy, xy = x + u, y + v, xx + u * u, yy + v * v, xy + u * v
     xx, yy, xy = xx / count - (x / count) ** 2, yy / count - (y / count) ** 2, xy / count - x * y / count**2
     least = 0.5 * (xx + yy) - math.sqrt(0.25 * (xx - yy) ** 2 + xy * xy)
     return math.sqrt(max(least, 0.0))
-
-
-@compiled(inline=True)
-def _id(point: int) -> int:
-    return POINT + POINT_SIZE * point + FEATURE
 
 
 @compiled(inline=True)

@@ -6,7 +6,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector
 from kickdrift.world.collision.box_polyhedron import UNIT_BOX, corner_of, facing
-from kickdrift.world.collision.feature_preference import tolerance_of
+from kickdrift.world.collision.face_preference import tolerance_of
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.manifold_reduction import CANDIDATE, choose, put_candidate, put_manifold
 from kickdrift.world.collision.polyhedra_faces import CANDIDATES, PLACED, incident_face, place_polyhedron

@@ -9,7 +9,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
-from kickdrift.world.collision.feature_preference import SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.collision.face_preference import SHARE_OFF, SLACK, tolerance_of
 from kickdrift.world.collision.manifold_reduction import choose, put_manifold
 from kickdrift.world.collision.polyhedra_edges import (
     EDGE,

@@ -29,11 +29,11 @@ from kickdrift.world.shapes.kinds import BOX, SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import RAY
 from kickdrift.world.shapes.sphere import Sphere
-from kickdrift.world.step_status import FULL, take_request
+from kickdrift.world.step.status import FULL, take_request
 from kickdrift.world.tables import MOVERS, PLANES, POSE, SHAPE, TRIANGLE_TREE, Tables
 
 if TYPE_CHECKING:
-    from kickdrift.world.body import Body
+    from kickdrift.world.bodies.handle import Body
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -18,7 +18,7 @@ from kickdrift.world.collision.search_state import (
 )
 from kickdrift.world.layout import AWAKE, BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
-from kickdrift.world.step_status import ask_for_room, report_body
+from kickdrift.world.step.status import ask_for_room, report_body
 from kickdrift.world.tables import (
     BODY,
     BOUNDS,

@@ -1,8 +1,8 @@
 """Contact of boxes and hulls with a triangle of a mesh, whose corners are counter-clockwise as seen from outside.
 
-The triangle is part of the surface of a solid: it pushes along its normal, and sideways only at convex edges. At other edges
-the surface continues with the adjacent triangle, on which a body rests that seems to touch the edge from the side. Otherwise a
-box that slides over a flat floor of many triangles would catch on their edges.
+The triangle is part of the surface of a solid: it pushes along its normal, and sideways only at convex edges. At other,
+internal edges the surface continues with the adjacent triangle, on which a body rests that seems to touch the edge from the
+side. Otherwise a box that slides over a flat floor of many triangles would catch on their edges.
 """
 
 import math

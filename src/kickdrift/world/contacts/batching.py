@@ -8,7 +8,7 @@ from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, STATIC
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, integers, room, rows, set_rows
 
 # Columns of MEMBERSHIP

@@ -5,7 +5,7 @@ from kickdrift.world.batch import BATCH_COLOURS, LANES_BEFORE
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import OWN_BATCH
 from kickdrift.world.layout import AWAKE, BODY_KIND, LINK_PLACE, STATIC
-from kickdrift.world.step_status import ask_for_room
+from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BATCH,
     BODY,

@@ -6,7 +6,7 @@ from kickdrift.world.contacts.impact_motion import constraint, is_moved
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES
 from kickdrift.world.layout import NEXT_IMPACT
 from kickdrift.world.settings import BOUNCING_TIME
-from kickdrift.world.step_status import BOUNCING_BODY, LEFT_BOUNCING, WARNING
+from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING
 from kickdrift.world.tables import (
     BOUNCING,
     CONTACT,

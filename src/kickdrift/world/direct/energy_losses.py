@@ -13,19 +13,22 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus, plus, product, times, turned
 from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
+from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
+from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR
 from kickdrift.world.direct.energy_drift import drift_of_energy, forget_drift, judged_since
 from kickdrift.world.direct.layout import (
-    AFTER_CONTACT,
     AFTER_JOINT,
     AFTER_NODE,
     FIRST_CLOSING,
-    FIRST_CONTACT,
     FIRST_JOINT,
     FIRST_NODE,
     GIVEN_UP,
+    NODE_ISLAND,
+    TOUCHES,
 )
 from kickdrift.world.direct.node_selection import body_of
-from kickdrift.world.direct.refinement import LONG_TURN, refinement
+from kickdrift.world.direct.substep_estimate import LONG_TURN, refinement
 from kickdrift.world.direct.velocities import energy_of
 from kickdrift.world.joints.kinematics import axis_unit
 from kickdrift.world.joints.layout import (
@@ -42,12 +45,14 @@ from kickdrift.world.joints.layout import (
     LINEAR_PART,
     LINK_JOINT,
     LOWER_LIMIT,
+    NODE_ROW,
     PIVOT,
     POINT,
+    ROOT,
     TOTAL,
     UPPER_LIMIT,
 )
-from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
+from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, LINK_PLACE, MASS, TURN_DAMPING
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
@@ -58,9 +63,10 @@ from kickdrift.world.settings import (
     GRAVITY,
     SUBSTEPS,
 )
-from kickdrift.world.step_status import TURNS_TOO_FAST, WARNING
+from kickdrift.world.step.status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
+    CONTACT,
     DELTA_POSE,
     FORCE,
     INERTIA,
@@ -71,6 +77,7 @@ from kickdrift.world.tables import (
     JOINT_NUMBERS,
     LINK,
     MOTION,
+    NODE,
     POSE,
     SETTINGS,
     STARTED_MOTION,
@@ -102,10 +109,11 @@ def note_losses(t: float, h: float, world: int) -> None:
     substep = h / settings[0, SUBSTEPS]
     if status[0, WARNING] & TURNS_TOO_FAST:
         return
+    _find_touching(world)
     for island in range(rows(world, ISLAND)):
         if islands[island, FIRST_JOINT] == islands[island, AFTER_JOINT]:
             continue
-        if not _is_alone(island, world):
+        if islands[island, TOUCHES] != 0:
             forget_drift(island, world)
             continue
         body, rate = _fastest(island, world)
@@ -125,11 +133,16 @@ def note_losses(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _is_alone(island: int, world: int) -> bool:
-    """Whether an island has no contacts."""
-    own = integers(world, ISLAND)[island]
-    alone: bool = own[FIRST_CONTACT] == own[AFTER_CONTACT]
-    return alone
+def _find_touching(world: int) -> None:
+    """Note which islands have contacts, whoever solves these."""
+    contacts, bodies, links = integers(world, CONTACT), integers(world, BODY), integers(world, LINK)
+    for row in range(rows(world, CONTACT)):
+        if contacts[row, POINTS] == 0 or contacts[row, CONTACT_STATE] & SENSOR:
+            continue
+        for column in (CONTACT_A, CONTACT_B):
+            link = abs(bodies[contacts[row, column], LINK_PLACE]) - 1
+            if link >= 0 and links[link, ROOT] >= 0:
+                integers(world, ISLAND)[integers(world, NODE)[links[link, NODE_ROW], NODE_ISLAND], TOUCHES] = 1
 
 
 @compiled(cached=False)

@@ -7,6 +7,10 @@ Locked axes are damped springs here, of frequency f and damping ratio z, written
 a = 2 z + h w and r = h w a, the error decays at the rate w / a, the impulse of a rigid joint is scaled by r / (1 + r), and
 1 / (1 + r) of the accumulated impulse is removed. A rigid grid of 20 x 20 gains energy until it tears. Soft constraints after
 E. Catto, Soft Constraints, Game Developers Conference (2011), Nordby and Lacoursiere.
+
+Grids of 10 x 10, 15 x 15 and 20 x 20 balls take 1.0, 1.3 and 2.6 ms a step, and 8, 96 and 377 ms directly; minimum degree
+regardless of the tree would save a third, half and three fifths of the latter. Nor is it better: the smallest loses 38 % of its
+energy in 5 s directly, 16 % in turn, and 10 % in turn with 64 substeps, as nets are thrown about in singular poses.
 """
 
 import math

@@ -24,20 +24,23 @@ from kickdrift.world.direct.unconverged_heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.disjoint_sets import first_of
 from kickdrift.world.joints.layout import (
     CLOSINGS,
+    DIRECT_ISLANDS,
     END,
     FIRST,
     ISLAND_SIZE,
+    LINK_BODY,
     LINK_JOINT,
     LINKS,
     NODE_ROW,
     NONE,
     ROOT,
-    SEQUENTIAL,
 )
-from kickdrift.world.layout import MASS
+from kickdrift.world.layout import LINK_PLACE, MASS
 from kickdrift.world.tables import (
     ARTICULATION,
     BLOCK,
+    BODY,
+    GRAPH,
     INERTIA,
     ISLAND,
     ISLAND_CONTACT,
@@ -68,24 +71,34 @@ def find_islands(t: float, h: float, world: int) -> None:
         and has_room(world, ISLAND_JOINT, rows(world, LINK))
     ):
         return
-    islands = integers(world, ISLAND)
+    islands, body = integers(world, ISLAND), integers(world, BODY)
     count = 0
-    for row in range(rows(world, LINK)):
-        if links[row, ROOT] == row:
-            links[row, NODE_ROW] = count
-            for column in range(ISLAND.width):
-                islands[count, column] = 0
-            count += 1
+    for in_turn in (False, True):
+        for row in range(rows(world, LINK)):
+            if links[row, ROOT] == row and (body[links[row, LINK_BODY], LINK_PLACE] < 0) == in_turn:
+                links[row, NODE_ROW] = count
+                for column in range(ISLAND.width):
+                    islands[count, column] = 0
+                count += 1
+        if not in_turn:
+            integers(world, GRAPH)[0, DIRECT_ISLANDS] = count
     set_rows(world, ISLAND, count)
     _sort_contacts(world)
     _sort_joints(world)
     _sort_nodes(world)
     set_rows(world, NODE, n)
     set_rows(world, NEIGHBOUR, 0)
-    for island in range(count):
+    for island in range(direct_islands(world)):
         if not order_nodes(world, island):
             return
     set_rows(world, BLOCK, rows(world, NEIGHBOUR))
+
+
+@compiled(inline=True)
+def direct_islands(world: int) -> int:
+    """Return how many islands are solved directly: the first ones."""
+    count: int = integers(world, GRAPH)[0, DIRECT_ISLANDS]
+    return count
 
 
 @compiled(cached=False)
@@ -98,7 +111,7 @@ def _unite_nodes(world: int) -> int:
     for row in range(rows(world, ARTICULATION)):
         first, end = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
         joined = max(joined, end + articulations[row, CLOSINGS])
-        if articulations[row, END] > first and articulations[row, SEQUENTIAL] == 0:
+        if articulations[row, END] > first:
             links[first, ISLAND_SIZE] = end - first
             for link in range(first, end):
                 links[link, ROOT] = first
@@ -187,7 +200,7 @@ def _sort_joints(world: int) -> None:
 
 @compiled(inline=True)
 def _island_of_articulation(world: int, row: int) -> int:
-    """Return the island of an articulation; -1 if it sleeps, or its joints are solved in turn."""
+    """Return the island of an articulation; -1 if it sleeps."""
     links = integers(world, LINK)
     root = links[integers(world, ARTICULATION)[row, FIRST], ROOT]
     island: int = links[root, NODE_ROW] if root >= 0 else -1

@@ -6,6 +6,7 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contacts import BOUNCE
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT, LOST
 from kickdrift.world.joints.axis_laws import end_laws
+from kickdrift.world.joints.geometric_stiffness import set_brakes
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
 from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import (
@@ -24,7 +25,6 @@ from kickdrift.world.joints.layout import (
     SOLVED,
     TOTAL,
 )
-from kickdrift.world.joints.swing_damping import set_brakes
 from kickdrift.world.tables import (
     ISLAND,
     ISLAND_JOINT,

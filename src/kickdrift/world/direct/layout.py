@@ -4,7 +4,8 @@ An *island* is a set of bodies that are connected by joints and contacts and sol
 bodies within some contacts of them, and small heaps that the sweeps have left unsolved (see
 `kickdrift.world.direct.unconverged_heaps`). Each of its bodies is a *node*, with a row of `LINK` and of `LINK_NUMBERS` (a
 free body has no joint), and a place in the order of elimination. Nodes that are coupled by contacts, closing joints or fill are
-*neighbours*: of two neighbours, the one eliminated first has a row of `NEIGHBOUR` and of `BLOCK` for the other.
+*neighbours*: of two neighbours, the one eliminated first has a row of `NEIGHBOUR` and of `BLOCK` for the other. After them come
+the articulations whose joints are solved one after the other, as islands without contacts, whose energy is judged as well.
 """
 
 from kickdrift.world.columns import Fields, column
@@ -22,6 +23,7 @@ LOST = column(ISLAND)  # 1 if Newton's method has not found impulses that satisf
 RATIO = column(ISLAND)  # of the largest mass to the smallest
 HAS_JOINTS = column(ISLAND)  # 1 if any of its nodes has a joint
 GIVEN_UP = column(ISLAND)  # substeps of this step in which it was lost
+TOUCHES = column(ISLAND)  # 1 if any of its bodies has a contact
 
 # Columns of NODE, one row for each place in the order of elimination
 LINK_ROW = column(NODE)

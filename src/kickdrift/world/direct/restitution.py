@@ -16,6 +16,7 @@ from kickdrift.world.contacts.restitution import slowest_bounce, strikes
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, SMOOTH_BOUNCE, read_both, twelve
 from kickdrift.world.direct.external_energy import energy_after_impact
+from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.solve import solve_at_once
@@ -23,7 +24,7 @@ from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, t
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
-from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, PLACE, floats, integers, rows
+from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, PLACE, floats, integers
 
 _ROUNDS = 30
 
@@ -34,7 +35,7 @@ NO_MORE = 1.001
 @compiled
 def bounce_islands(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts in islands within the substep."""
-    for island in range(rows(world, ISLAND)):
+    for island in range(direct_islands(world)):
         for _ in range(_ROUNDS):
             if not _find_hits(island, h, world):
                 break

@@ -17,6 +17,7 @@ from kickdrift.world.direct.active_set import AS_ASSUMED, BY_LAWS, aim_island, s
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
 from kickdrift.world.direct.external_energy import driving_speed, energy_given
+from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
@@ -31,13 +32,13 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.position_correction import repair
-from kickdrift.world.direct.refinement import LONG_TURN
+from kickdrift.world.direct.substep_estimate import LONG_TURN
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
-from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floats, integers, rows
+from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floats, integers
 
 # Newton's method stops when the joint errors, relative to the arms and times the mass ratio, are below CLOSE, with contacts
 # CLOSE_TOUCHING, with loops CLOSE_LOOPS. Most islands take two steps; one that is not NEAR after QUICK steps starts again from
@@ -67,7 +68,7 @@ _STILL = 1e-12
 def solve_islands(t: float, h: float, world: int) -> None:
     """Find and apply the impulses that satisfy joints and contacts at the end of the substep, before the drift."""
     islands = integers(world, ISLAND)
-    for island in range(rows(world, ISLAND)):
+    for island in range(direct_islands(world)):
         note_velocities(island, world)
         note_impulses(island, False, world)
         islands[island, LOST] = 0
@@ -77,7 +78,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
         off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
         if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR) or _is_spurious(island, h, world):
             _solve_carefully(island, h, world)
-    for island in range(rows(world, ISLAND)):
+    for island in range(direct_islands(world)):
         if is_cut(island, world):
             _solve_joints(island, h, world)
         end_solution(island, h, world)
@@ -88,7 +89,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
 def relax_islands(t: float, h: float, world: int) -> None:
     """Project the velocities onto those that joints and contacts allow at the new poses, after the drift."""
     islands = integers(world, ISLAND)
-    for island in range(rows(world, ISLAND)):
+    for island in range(direct_islands(world)):
         if islands[island, LOST] != 0:
             repair(island, h, world)
             note_velocities(island, world)
@@ -96,7 +97,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
             _project(island, h, RELAX, REST, world)
         else:
             _relax(island, h, world)
-    for island in range(rows(world, ISLAND)):
+    for island in range(direct_islands(world)):
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
             stay_closings(island, world)
@@ -108,7 +109,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
 def measure_islands(t: float, h: float, world: int) -> None:
     """Include the contacts of islands in the residual: the largest normal speed of their loaded points."""
     settings = floats(world, SETTINGS)
-    for island in range(rows(world, ISLAND)):
+    for island in range(direct_islands(world)):
         settings[0, RESIDUAL] = max(settings[0, RESIDUAL], left_of_contacts(island, world))
 
 

@@ -8,8 +8,8 @@ from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.distance import Distance
 from kickdrift.world.joints.fixed import Fixed
@@ -157,6 +157,6 @@ class AddsJoints:
     add_universal_joint = _adds(Universal)
     add_six_dof_joint = _adds(SixDof)
     add_distance_joint = _adds(Distance)
-    add_rope = _adds(Rope)
+    add_rope_joint = _adds(Rope)
     add_spring = _adds(Spring)
     add_gear = _couples(Gear)

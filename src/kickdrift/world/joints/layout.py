@@ -68,7 +68,7 @@ MISALIGNMENT = column(JOINT_NUMBERS, 6, "m, rad")  # of locked axes, as it would
 SOLVED = column(JOINT_NUMBERS, 6, "N s, N m s")  # the part of JOINT_IMPULSE that was given before the drift
 PULL = column(JOINT_NUMBERS, 3, "N s")  # linear impulse of the last substeps, a mean
 RATES = column(JOINT_NUMBERS, 2)  # of gears, see `Geared`
-BRAKE = column(JOINT_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.swing_damping`
+BRAKE = column(JOINT_NUMBERS, 3, "N m s")  # of angular axes: damping, see `kickdrift.world.joints.geometric_stiffness`
 # Of the first joint of an island: its energy since it was last acted upon, see `kickdrift.world.direct.energy_drift`
 ENERGY_AT_FIRST = column(JOINT_NUMBERS, 1, "J")  # kinetic and potential
 LAG_AT_FIRST = column(JOINT_NUMBERS, 1, "J")
@@ -100,10 +100,11 @@ FIRST = column(ARTICULATION)  # the first
 LINKS = column(ARTICULATION)  # how many links
 CLOSINGS = column(ARTICULATION)  # how many closing joints after them
 END = column(ARTICULATION)  # row after the last one of them; FIRST while the articulation sleeps
-SEQUENTIAL = column(ARTICULATION)  # 1: its joints are solved one after the other, and its bodies are no nodes
+SEQUENTIAL = column(ARTICULATION)  # 1: its joints are solved one after the other, an island that is only judged
 
 # Columns of GRAPH
 JOINED_ROWS = column(GRAPH)  # rows of LINK that joints have; after them come bodies that have none
+DIRECT_ISLANDS = column(GRAPH)  # rows of ISLAND that are solved directly; after them come those that are not
 
 # Columns of LINK
 LINK_BODY = column(LINK)

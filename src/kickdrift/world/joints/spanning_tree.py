@@ -193,7 +193,7 @@ def _write(tables: Tables, parts: list[_Part]) -> None:
         row[[j.FIRST, j.LINKS, j.CLOSINGS, j.END, j.SEQUENTIAL]] = first, len(links), len(closings), first, sequential
         for k, (body, joint, parent, sign) in enumerate(links, first):
             rows[k, [j.LINK_BODY, j.LINK_JOINT, j.SIGN]] = body, joint, sign
-            tables.array(BODY)[body, [LINK_PLACE, LINK_COUNT]] = (-1, 0) if sequential else (k + 1, len(links))
+            tables.array(BODY)[body, [LINK_PLACE, LINK_COUNT]] = (-k - 1, 0) if sequential else (k + 1, len(links))
             rows[k, j.PARENT] = j.NONE if parent == j.NONE else first + parent
         first += len(links)
         for k, (joint, a, b) in enumerate(closings, first):

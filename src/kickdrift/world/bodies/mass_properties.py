@@ -14,7 +14,7 @@ from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed
 from kickdrift.world.shapes.record import SOLID
 
 if TYPE_CHECKING:
-    from kickdrift.world.part import Part
+    from kickdrift.world.bodies.part import Part
 
 
 def mass_properties_of(

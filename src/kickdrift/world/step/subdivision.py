@@ -12,7 +12,7 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.world.joints.layout import TOTAL
 from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.snapshot import kept, put_back
-from kickdrift.world.step_status import HALVINGS, MIDWAY
+from kickdrift.world.step.status import HALVINGS, MIDWAY
 from kickdrift.world.tables import JOINT_NUMBERS, LOAD, SETTINGS, STEP_STATUS, Tables
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from kickdrift.world.atomic import alone, undivided
-from kickdrift.world.checkpoints import Kept
-from kickdrift.world.recording import Recording
-from kickdrift.world.running import record, run
+from kickdrift.world.recordings.checkpoints import Kept
+from kickdrift.world.recordings.recording import Recording
+from kickdrift.world.recordings.running import record, run
 from kickdrift.world.snapshot import Snapshot, restore, take
 from kickdrift.world.tables import Tables
 

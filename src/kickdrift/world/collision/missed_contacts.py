@@ -3,8 +3,8 @@
 At the end of a step it is known which bodies left their expected paths by more than the margin of the search: at the end, at
 ends of substeps, or at impacts. Where one of them may have met a shape without points of contact in the step, the step is
 repeated with a search that knows the paths of these bodies. Known paths stay known, so that each attempt knows more. Where
-paths have more corners than the search can represent, the step is halved (see `kickdrift.world.subdivision`), until no part
-misses a contact. A contact missed in the shortest parts causes a warning.
+paths have more corners than the search can represent, the step is halved (see `kickdrift.world.step.subdivision`), until no
+part misses a contact. A contact missed in the shortest parts causes a warning.
 """
 
 import math
@@ -55,7 +55,7 @@ from kickdrift.world.layout import (
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
-from kickdrift.world.step_status import (
+from kickdrift.world.step.status import (
     BEGIN_AGAIN,
     DO_IN_PARTS,
     HALVINGS,

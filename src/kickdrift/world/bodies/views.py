@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world import layout
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.tables import MOTION, POSE, Tables
 
 Floats = NDArray[np.float64]

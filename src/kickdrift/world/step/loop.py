@@ -1,7 +1,7 @@
-"""The step of a world: a word over stages, run by one loop.
+"""The loop that runs the step of a world, a word over stages; `kickdrift.world.step.stage_order.word` returns the word.
 
-`kickdrift.world.stage_order.word` returns the word. Two of its letters, `kick` and `drift`, are flows like those of the engine;
-between them are projections onto the velocities that contacts and joints allow.
+Two of its letters, `kick` and `drift`, are flows like those of the engine; between them are projections onto the velocities
+that contacts and joints allow.
 """
 
 from typing import Any
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.world.batch import enter
-from kickdrift.world.step_status import MIDWAY, REACHED, SAID, STATUS, WARNING
+from kickdrift.world.step.status import MIDWAY, REACHED, SAID, STATUS, WARNING
 from kickdrift.world.tables import BATCH, STEP_STATUS, integers, rows
 
 STAGE = types.none(types.float64, types.float64, types.intp)

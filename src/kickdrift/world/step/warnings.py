@@ -4,8 +4,9 @@ import math
 import warnings
 
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
-from kickdrift.world.bodies import Bodies
-from kickdrift.world.direct.refinement import LONG_TURN
+from kickdrift.world.bodies.registry import Bodies
+from kickdrift.world.direct.substep_estimate import LONG_TURN
+from kickdrift.world.layout import LINK_PLACE
 from kickdrift.world.settings import (
     BOUNCING_TIME,
     FAST_BODY,
@@ -21,7 +22,7 @@ from kickdrift.world.settings import (
     UNSOLVED_BODY,
     UNSOLVED_SINCE,
 )
-from kickdrift.world.step_status import (
+from kickdrift.world.step.status import (
     BOUNCING_BODY,
     LEFT_BOUNCING,
     LEFT_UNSOLVED,
@@ -29,13 +30,13 @@ from kickdrift.world.step_status import (
     SAID,
     TURNS_TOO_FAST,
 )
-from kickdrift.world.tables import SETTINGS, STEP_STATUS, Tables
+from kickdrift.world.tables import BODY, SETTINGS, STEP_STATUS, Tables
 
 
 def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
     """Issue the warnings that stages have found, unless they were issued before.
 
-    `found` and `said` are sets of bits of `kickdrift.world.step_status.WARNING`. Their union is written to the tables, so that
+    `found` and `said` are sets of bits of `kickdrift.world.step.status.WARNING`. Their union is written to the tables, so that
     compiled code does not return for it again; the world keeps it as well, since restoring a snapshot resets the tables.
     """
     tables.array(STEP_STATUS)[0, SAID] = found | said
@@ -82,15 +83,16 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
             f"the joints of {body} and of the bodies joined to it move too far in a substep for impulses that satisfy them at"
             " its end"
         )
+    advice = f"Set world.substeps = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
+    if tables.array(BODY)[int(row[FAST_BODY]), LINK_PLACE] < 0:
+        why = f"the joints of {body} and of the bodies joined to it close too many loops to be solved together"
+        advice = "More substeps help little: use fewer joints or bodies, or a cloth."
     part, end = 100 * row[FAST_LOSS], row[FAST_TIME]
     change = f"{'lost' if part > 0.0 else 'gained'} {abs(part):.2g} %"
     when = f"in the step to t={end:.4g} s"
     if end - row[FAST_SINCE] > 1.5 * row[STEP]:
         when = f"from t={row[FAST_SINCE]:.4g} s to {end:.4g} s"
-    return (
-        f"{why}: they {change} of the energy of their bodies {when}. Set world.substeps"
-        f" = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
-    )
+    return f"{why}: they {change} of the energy of their bodies {when}. {advice}"
 
 
 _SENTENCES = {LEFT_UNSOLVED: _unsolved, TURNS_TOO_FAST: _too_fast, MISSES_CONTACT: _missed, LEFT_BOUNCING: _bouncing}

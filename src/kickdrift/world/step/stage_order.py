@@ -13,7 +13,7 @@ from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.cloth.wind import calm
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
-from kickdrift.world.collision.missed import drop_paths, find_missed
+from kickdrift.world.collision.missed_contacts import drop_paths, find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
 from kickdrift.world.collision.time_of_impact import find_impacts
@@ -37,9 +37,9 @@ from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.kinematics import follow_joints, measure_joints
 from kickdrift.world.joints.prepare import begin_joints, wake_joints
-from kickdrift.world.rollback import begin
 from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
-from kickdrift.world.step import STAGE
+from kickdrift.world.step.loop import STAGE
+from kickdrift.world.step.rollback import begin
 
 Stages = tuple[Function, ...]
 

@@ -1,4 +1,4 @@
-"""Impulses that contacts keep for warm starting the next step."""
+"""Scaling of the impulses for warm starting, where the mass of a body changes."""
 
 import numpy as np
 

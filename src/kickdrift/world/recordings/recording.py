@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError, unknown_name
 from kickdrift.engine.solution import Presenters, Solution
-from kickdrift.world.cloth.layout import CORNERS, FIRST_PARTICLE
+from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, DIMENSION, FIRST_PARTICLE, ROPE
+from kickdrift.world.cloth.tube import tube
+from kickdrift.world.cloth.tuning import WORDS
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC
-from kickdrift.world.tables import BODY, CLOTH, FACE, JOINT, JOINT_NUMBERS, SHAPE
+from kickdrift.world.tables import BODY, CLOTH, CLOTH_NUMBERS, FACE, JOINT, JOINT_NUMBERS, SHAPE
 
 if TYPE_CHECKING:
     from kickdrift.world.shapes.record import Shape
@@ -41,15 +43,31 @@ class Rod(NamedTuple):
 
 
 class DrawnCloth(NamedTuple):
-    """A cloth: its name, its range of vertices among those of all cloths, and its triangles.
+    """A cloth, a rope or the surface of a soft body.
 
-    `last` is one after the last vertex; `triangles`, (M, 3), are indices of the cloth's own vertices.
+    Attributes
+    ----------
+    name : str or None
+    first, last : int
+        Its range of vertices among those of all; `last` is one after the last one.
+    triangles : (M, 3) array
+        Indices of its own vertices.
+    radius : float
+        Of a rope, m; otherwise zero.
+    kind : str
+        "cloth", "rope" or "soft body".
     """
 
     name: str | None
     first: int
     last: int
     triangles: NDArray[np.int64]
+    radius: float = 0.0
+    kind: str = "cloth"
+
+    def surface(self, vertices: Floats) -> tuple[Floats, NDArray[np.int64]]:
+        """Return the vertices and triangles that are seen where its vertices are at these places, (N, 3), m."""
+        return tube(vertices, self.radius) if self.radius > 0.0 else (vertices, self.triangles)
 
 
 class Appearance(NamedTuple):
@@ -97,7 +115,7 @@ class Recording(Solution):
     angular_velocity : (T, N, 3) array
         In the world's axes, rad/s.
     particles : (T, P, 3) array
-        Vertices of all cloths, m; `cloth` returns those of one.
+        Vertices of all cloths, ropes and soft bodies, m; `cloth` returns those of one.
     appearance : Appearance
         Shapes, joints and cloths, for drawing.
 
@@ -165,12 +183,12 @@ class Recording(Solution):
         return rows[name]
 
     def cloth(self, which: str | int = 0) -> Floats:
-        """Return the positions of the vertices of a cloth, (T, N, 3), m.
+        """Return the positions of the vertices of a cloth, a rope or a soft body, (T, N, 3), m.
 
         Parameters
         ----------
         which : str or int
-            Its name, or its index among the cloths of the world.
+            Its name, or its index among all of them in the world.
 
         Raises
         ------
@@ -181,7 +199,7 @@ class Recording(Solution):
         return self.particles[:, cloth.first : cloth.last]
 
     def drawn_cloth(self, which: str | int) -> DrawnCloth:
-        """Return the triangles of a cloth, and which particles are its vertices; see `cloth`."""
+        """Return what is drawn of a cloth, a rope or a soft body, and which particles are its vertices; see `cloth`."""
         known: dict[Any, DrawnCloth] = dict(enumerate(self.appearance.cloths))
         known |= {cloth.name: cloth for cloth in self.appearance.cloths if cloth.name is not None}
         if which not in known:
@@ -189,7 +207,7 @@ class Recording(Solution):
         return known[which]
 
     def save_meshes(self, folder: str | Path, which: str | int = 0, *, form: str = "obj") -> Path:
-        """Write a cloth as a sequence of meshes for rendering: one file per row, numbered from zero.
+        """Write the surface of a cloth, a rope or a soft body as meshes for rendering: one file per row, numbered from zero.
 
         Parameters
         ----------
@@ -234,10 +252,12 @@ def appearance(world: "World") -> Appearance:
 
 def _cloths(world: "World") -> list[DrawnCloth]:
     own, faces, names = world.tables.array(CLOTH), world.tables.array(FACE), world.cloths.names
-    return [
-        DrawnCloth(names.of(row), first, last, faces[begin:end, CORNERS : CORNERS + 3] - first)
-        for row, (first, last, begin, end) in enumerate(own[:, FIRST_PARTICLE : FIRST_PARTICLE + 4].tolist())
-    ]
+    drawn, radii = [], world.tables.array(CLOTH_NUMBERS)[:, CLOTH_RADIUS].tolist()
+    for row, (first, last, begin, end) in enumerate(own[:, FIRST_PARTICLE : FIRST_PARTICLE + 4].tolist()):
+        dimension = int(own[row, DIMENSION])
+        triangles, radius = faces[begin:end, CORNERS : CORNERS + 3] - first, radii[row] if dimension == ROPE else 0.0
+        drawn.append(DrawnCloth(names.of(row), first, last, triangles, radius, WORDS[dimension]))
+    return drawn
 
 
 def _rods(world: "World", kinds: NDArray[np.int64]) -> list[Rod]:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import number, unit_quaternion, vector
-from kickdrift.world.shape_rows import Surface
+from kickdrift.world.bodies.shape_rows import Surface
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import Shape
 

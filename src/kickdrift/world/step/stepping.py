@@ -9,13 +9,13 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.threads import present
-from kickdrift.world import settings, step_status
-from kickdrift.world.bodies import Bodies
+from kickdrift.world import settings
+from kickdrift.world.bodies.registry import Bodies
+from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.cloth.winds import WINDS
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.collision.search_state import TRIES
-from kickdrift.world.compiling import compile_step
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batching import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
@@ -24,12 +24,13 @@ from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.force_stage import FORCES, Force, put_numbers
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.recorder import Recorder
-from kickdrift.world.rollback import find_lost_body, lost_body_error, lost_cloth_error, roll_back
-from kickdrift.world.shape_rows import ShapeRows
-from kickdrift.world.stage_order import Program, Uses, Word, addresses, compose, word
-from kickdrift.world.step import run
-from kickdrift.world.subdivision import do_parts
+from kickdrift.world.recordings.recorder import Recorder
+from kickdrift.world.step import status as step_status
+from kickdrift.world.step.compiling import compile_step
+from kickdrift.world.step.loop import run
+from kickdrift.world.step.rollback import find_lost_body, lost_body_error, lost_cloth_error, roll_back
+from kickdrift.world.step.stage_order import Program, Uses, Word, addresses, compose, word
+from kickdrift.world.step.subdivision import do_parts
 from kickdrift.world.tables import (
     BODY,
     CLOTH,

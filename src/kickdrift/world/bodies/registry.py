@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import choice
 from kickdrift.world.atomic import alone, undivided
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.collision.search_state import shapes_changed
-from kickdrift.world.contacts.kept_impulses import scale_impulses
+from kickdrift.world.contacts.impulse_scaling import scale_impulses
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
     AWAKE,
@@ -40,7 +41,6 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE_NORMAL
-from kickdrift.world.shape_rows import ShapeRows
 from kickdrift.world.shapes.mass import Mass, checked_inertia
 from kickdrift.world.tables import (
     BODY,

@@ -12,8 +12,8 @@ from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.shapes.catalogue import KINDS, RAYS
 from kickdrift.world.shapes.record import EXTENT, RAY
-from kickdrift.world.stage_order import Uses, Word, word
-from kickdrift.world.step import STAGE
+from kickdrift.world.step.loop import STAGE
+from kickdrift.world.step.stage_order import Uses, Word, word
 
 
 def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> None:

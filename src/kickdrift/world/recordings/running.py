@@ -18,11 +18,11 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.zarr_store import ZarrStore
-from kickdrift.world.checkpoints import NOT_KEPT, Keeper, Kept, step_of_row
 from kickdrift.world.joints.axis import is_number
-from kickdrift.world.recorder import Recorder, RecordingRows
-from kickdrift.world.recording import Recording
-from kickdrift.world.streaming import StreamedRecordingRows
+from kickdrift.world.recordings.checkpoints import NOT_KEPT, Keeper, Kept, step_of_row
+from kickdrift.world.recordings.recorder import Recorder, RecordingRows
+from kickdrift.world.recordings.recording import Recording
+from kickdrift.world.recordings.streaming import StreamedRecordingRows
 from kickdrift.world.tables import PARTICLE
 
 if TYPE_CHECKING:

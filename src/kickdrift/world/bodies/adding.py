@@ -12,16 +12,16 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.arguments import choice, number, unit_quaternion, vector
 from kickdrift.world.atomic import undivided
-from kickdrift.world.bodies import Bodies, kind_of
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.mass_properties import mass_properties_of
+from kickdrift.world.bodies.part import Part, surface_of
+from kickdrift.world.bodies.registry import Bodies, kind_of
+from kickdrift.world.bodies.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.events import forget_contacts
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.layout import DYNAMIC, STATIC
-from kickdrift.world.mass_properties import mass_properties_of
-from kickdrift.world.part import Part, surface_of
-from kickdrift.world.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.sleeping import REACH

@@ -33,7 +33,7 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.sleeping import REACH
-from kickdrift.world.step_status import STARTED_WARNING, WARNING
+from kickdrift.world.step.status import STARTED_WARNING, WARNING
 from kickdrift.world.tables import (
     BATCH,
     BODY,

@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.rotations import turn_to
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.adding import AddsBodies
 from kickdrift.world.arguments import direction
-from kickdrift.world.body import Body
+from kickdrift.world.bodies.adding import AddsBodies
+from kickdrift.world.bodies.handle import Body
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.cone import Cone

@@ -12,7 +12,7 @@ from kickdrift.world.handle import Handle
 from kickdrift.world.tables import MOTION, POSE
 
 if TYPE_CHECKING:
-    from kickdrift.world.bodies import Bodies
+    from kickdrift.world.bodies.registry import Bodies
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]

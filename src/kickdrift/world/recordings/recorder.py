@@ -1,5 +1,6 @@
 """The rows of a recording, and the recording of a user's loop."""
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -12,8 +13,8 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
-from kickdrift.world.recorded_cloths import RecordedCloths
-from kickdrift.world.recording import Recording, appearance
+from kickdrift.world.recordings.recorded_cloths import RecordedCloths
+from kickdrift.world.recordings.recording import DrawnCloth, Recording, appearance
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -134,7 +135,7 @@ class RecordingRows:
     def description(self) -> Description:
         """Return a description of the recording, for display."""
         return Description(
-            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, len(self._cloths.drawn)),
+            system=_words(int(np.count_nonzero(appearance(self._world).kinds)) - 1, self._cloths.drawn),
             method="soft steps",
             kind=Kind.VELOCITY_DEPENDENT.name,
             order=1,
@@ -180,10 +181,15 @@ class RecordingRows:
         )
 
 
-def _words(bodies: int, cloths: int) -> str:
-    """Return how many bodies and cloths a world has, in words."""
-    with_cloths = f" and {cloths} cloth{'s' * (cloths != 1)}" if cloths else ""
-    return f"world of {bodies} bod{'ies' if bodies != 1 else 'y'}{with_cloths}"
+def _words(bodies: int, cloths: list[DrawnCloth]) -> str:
+    """Return how many bodies, cloths, ropes and soft bodies a world has, in words."""
+    counts = {"body": bodies, **Counter(cloth.kind for cloth in cloths)}
+    words = [f"{count} {kind if count == 1 else _plural(kind)}" for kind, count in counts.items()]
+    return f"world of {', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else f"world of {words[0]}"
+
+
+def _plural(word: str) -> str:
+    return f"{word[:-1]}ies" if word.endswith("y") else f"{word}s"
 
 
 class Recorder:

@@ -1,0 +1,1 @@
+"""Bodies: adding and removing them, their rows, their parts and shapes, and their handles."""

@@ -1,0 +1,84 @@
+"""The rows of a new cloth or rope, before they are in the tables of a world."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.fabric import Fabric
+from kickdrift.world.cloth.membrane import inverse_edges
+from kickdrift.world.cloth.mesh import ClothMesh, flattened, masses_of
+from kickdrift.world.cloth.rope_material import RopeMaterial
+from kickdrift.world.cloth.rope_mesh import lengths_of, rope_masses, stretch_rate
+from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS
+
+Floats = NDArray[np.float64]
+
+# Upper bounds of the skin, relative to thickness and triangle size: with 0.2 of the latter, neighbours in a sheet would be
+# pairs.
+_OF_THICKNESS, _SKIN = 0.5, 0.12
+
+
+class Built(NamedTuple):
+    """The mesh, masses and numbers of a cloth or a rope.
+
+    Attributes
+    ----------
+    dimension : int
+        As in the column `DIMENSION`.
+    mesh : ClothMesh
+    masses : (N,) array
+        Of the vertices, kg.
+    at_rest : (M, K) array
+        Rows of FACE_NUMBERS.
+    numbers : (L,) array
+        Row of CLOTH_NUMBERS.
+    """
+
+    dimension: int
+    mesh: ClothMesh
+    masses: Floats
+    at_rest: Floats
+    numbers: Floats
+
+
+def built_cloth(mesh: ClothMesh, fabric: Fabric, warp: Floats) -> Built:
+    """Return the rows of a cloth of a mesh."""
+    to_rest = inverse_edges(flattened(mesh, warp)[0])
+    areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
+    at_rest = np.zeros((len(areas), FACE_NUMBERS.width))
+    at_rest[:, c.TO_REST : c.TO_REST + 4], at_rest[:, c.FACE_AREA] = to_rest, areas
+    stiffness = fabric.stretch_stiffness, fabric.shear_stiffness, fabric.bending_stiffness
+    numbers = _numbers(stiffness, fabric.damping, fabric.linear_damping, fabric.friction)
+    _put_thickness(numbers, fabric.thickness, math.sqrt(float(np.median(areas))))
+    numbers[c.AREA_DENSITY], numbers[c.TEAR_STRAIN] = fabric.density, fabric.tear_strain
+    numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
+    return Built(c.SHEET, mesh, masses_of(mesh, fabric.density * areas), at_rest, numbers)
+
+
+def built_rope(mesh: ClothMesh, material: RopeMaterial) -> Built:
+    """Return the rows of a rope of these segments."""
+    lengths = lengths_of(mesh.vertices)
+    masses = rope_masses(lengths, material.density)
+    at_rest = np.zeros((len(lengths), FACE_NUMBERS.width))
+    at_rest[:, c.REST_LENGTH] = lengths
+    stiffness = material.stretch_stiffness, 0.0, material.bending_stiffness
+    numbers = _numbers(stiffness, material.damping, material.linear_damping, material.friction)
+    _put_thickness(numbers, 2.0 * material.radius, float(np.median(lengths)))
+    numbers[c.MEMBRANE_RATE] = stretch_rate(lengths, material.stretch_stiffness, masses)
+    return Built(c.ROPE, mesh, masses, at_rest, numbers)
+
+
+def _numbers(stiffness: tuple[float, float, float], damping: float, linear_damping: float, friction: float) -> Floats:
+    """Return a row of CLOTH_NUMBERS with these parameters; `stiffness` is against stretching, shear and bending."""
+    numbers = np.zeros(CLOTH_NUMBERS.width)
+    numbers[c.STRETCH : c.STRETCH + 5] = numbers[c.ASKED : c.ASKED + 5] = (*stiffness, damping, damping)
+    numbers[c.LINEAR_DAMPING], numbers[c.CLOTH_FRICTION] = linear_damping, friction
+    return numbers
+
+
+def _put_thickness(numbers: Floats, thickness: float, size: float) -> None:
+    """Write a thickness, and a skin for triangles of some size, m."""
+    numbers[c.CLOTH_RADIUS], numbers[c.SKIN] = 0.5 * thickness, min(_OF_THICKNESS * thickness, _SKIN * size)

@@ -1,0 +1,94 @@
+"""Rows of contacts between particles of cloths, or segments of ropes, and shapes of bodies."""
+
+import math
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, minus, plus, turned
+from kickdrift.world.cloth.layout import (
+    CLOTH_FRICTION,
+    CLOTH_GAP,
+    CLOTH_NORMAL,
+    CONTACT_FRICTION,
+    GROUND_VELOCITY,
+    MOVES_BODY,
+    OTHER_PARTICLE,
+    OTHER_SHARE,
+    PARTICLE_VELOCITY,
+    TOUCHED_BODY,
+    TOUCHED_POINT,
+    TOUCHING_PARTICLE,
+)
+from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    AWAKE,
+    BODY_KIND,
+    BODY_ROW,
+    DYNAMIC,
+    FRICTION,
+    ORIENTATION,
+    POSITION,
+    SURFACE_VELOCITY,
+    VELOCITY,
+)
+from kickdrift.world.settings import SLEEP_SPEED
+from kickdrift.world.step.status import ask_for_room
+from kickdrift.world.tables import (
+    BODY,
+    CLOTH_CONTACT,
+    CLOTH_CONTACT_NUMBERS,
+    CLOTH_NUMBERS,
+    MOTION,
+    PARTICLE,
+    PLACE,
+    POSE,
+    SETTINGS,
+    SHAPE,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
+
+Touch = tuple[Vector, float, Vector]
+
+
+@compiled
+def note_contact(world: int, cloth: int, shape: int, i: int, j: int, share: float, touch: Touch, h: float) -> bool:
+    """Add a row for the point of the segment from particle i to j at `share` that may touch a shape; False if there is no room.
+
+    `touch` is the normal from the shape, the gap and the point of the shape. Of a particle alone, j is i and `share` zero.
+    """
+    normal, gap, point = touch
+    row = rows(world, CLOTH_CONTACT)
+    if row >= min(room(world, CLOTH_CONTACT), room(world, CLOTH_CONTACT_NUMBERS)):
+        ask_for_room(world, CLOTH_CONTACT, 2 * row + 64)
+        return False
+    set_rows(world, CLOTH_CONTACT, row + 1)
+    contact, numbers, place = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PLACE)
+    body, pose = integers(world, SHAPE)[shape, BODY_ROW], floats(world, POSE)
+    contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, TOUCHED_BODY] = i, j, body
+    contact[row, MOVES_BODY], numbers[row, OTHER_SHARE] = int(_moves(world, i, body) or _moves(world, j, body)), share
+    arm = minus(point, vector_at(pose, body, POSITION))
+    runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
+    friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
+    motion = floats(world, MOTION)
+    moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
+    if contact[row, MOVES_BODY] == 0:
+        runs = plus(runs, moves)
+    # The body has moved already, the particle has not: the gap is that at the start of the substep.
+    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
+    for k in range(3):
+        numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
+        numbers[row, GROUND_VELOCITY + k] = runs[k]
+    return True
+
+
+@compiled(inline=True)
+def _moves(world: int, i: int, body: int) -> bool:
+    """Whether a body receives the reaction of a particle; a sleeping one does if it is hit, and wakes before the next step."""
+    own, v = integers(world, BODY), vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY)
+    slow = floats(world, SETTINGS)[0, SLEEP_SPEED]
+    takes: bool = own[body, BODY_KIND] == DYNAMIC and (own[body, AWAKE] != 0 or dot(v, v) > slow * slow)
+    return takes

@@ -1,0 +1,1 @@
+"""Recordings of worlds: their rows, runs that record, checkpoints and streams to disk."""
