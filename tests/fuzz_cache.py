@@ -5,28 +5,32 @@
 
 import atexit
 import functools
-import os
 import shutil
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import hostile
+import numba
 import numpy as np
 
-RUN = (
-    "import kickdrift as kd; s = kd.systems.get('harmonic-oscillator');"
-    " print(kd.solve(s, (0.0, 3.0), step=0.1, progress=False).x.tobytes().hex())"
-)
+import kickdrift as kd
+
+
+def solved(folder, path):
+    """Solve something with the cache in a folder, and write where it went."""
+    numba.config.CACHE_DIR = str(folder)
+    sol = kd.solve(kd.systems.get("harmonic-oscillator"), (0.0, 3.0), step=0.1, progress=False)
+    path.write_bytes(sol.x.tobytes())
 
 
 def run(folder):
-    """Solve something in a process of its own with the cache in a folder; return what it prints, and its exit status."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-W", "ignore", "-c", RUN]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    return done.stdout.strip(), done.returncode
+    """Do so in a process of its own; return what it has written, and its exit status."""
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place) / "x"
+        process = hostile.forked(solved, folder, path)
+        process.join()
+        return path.read_bytes() if path.exists() else b"", process.exitcode
 
 
 @functools.cache

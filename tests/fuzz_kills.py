@@ -4,10 +4,7 @@
 """
 
 import functools
-import os
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -156,18 +153,27 @@ KINDS = {
 }
 
 
+def written(kind, folder, path):
+    """Do a run, and write what it gives."""
+    np.savez(path, *map(np.asarray, KINDS[kind](folder)))
+
+
+def given(kind, folder):
+    """Return what a run gives, in a process of its own: this one starts others, and runs nothing itself."""
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place) / "arrays.npz"
+        process = hostile.forked(written, kind, folder, path)
+        process.join()
+        if process.exitcode:
+            raise RuntimeError(f"{kind}: the process ended with {process.exitcode}")
+        with np.load(path) as arrays:
+            return [arrays[name] for name in arrays.files]
+
+
 @functools.cache
 def whole(kind):
     """Return what a run gives that is left alone."""
-    return KINDS[kind](None)
-
-
-def started(kind, folder):
-    """Start a run in a process of its own; return the process once it is about to run."""
-    code = f"import fuzz_kills as f, pathlib; print(flush=True); f.KINDS[{kind!r}](pathlib.Path({str(folder)!r}))"
-    process = subprocess.Popen([sys.executable, "-W", "ignore", "-c", code], stdout=subprocess.PIPE)
-    process.stdout.readline()
-    return process
+    return given(kind, None)
 
 
 def newest(folder):
@@ -183,11 +189,11 @@ def attempt(seed):
         folder = Path(name)
         while killed < wanted:
             before = newest(folder) if (folder / "run").exists() else ""
-            process = started(kind, folder)
+            process = hostile.forked(KINDS[kind], folder)
             time.sleep(rng.uniform(0.0, longest))
-            done_before = process.poll() is not None
-            process.send_signal(signal.SIGKILL)
-            process.communicate()
+            done_before = not process.is_alive()
+            process.kill()
+            process.join()
             if done_before:  # it begins anew, and is killed sooner
                 killed, longest = 0, longest / 2
                 for path in folder.iterdir():
@@ -196,7 +202,7 @@ def attempt(seed):
             killed += 1
             if newest(folder) < before:
                 return f"{kind}: checkpoints up to {before} are lost"
-        done = KINDS[kind](folder)
+        done = given(kind, folder)
         if not all(np.array_equal(one, other) for one, other in zip(done, expected, strict=True)):
             return f"{kind}: other bits after {killed} kills"
         if left := [path.name for path in [*folder.glob(".*"), *(folder / "run").glob(".*")]]:
@@ -205,5 +211,4 @@ def attempt(seed):
 
 
 if __name__ == "__main__":
-    os.environ["PYTHONPATH"] = os.pathsep.join(sys.path)
     sys.exit(hostile.main("fuzz_kills", __doc__))

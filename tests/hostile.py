@@ -5,6 +5,7 @@ A fuzzer is a module here with a function ``attempt(seed)`` that tries one case 
 """
 
 import argparse
+import multiprocessing
 import os
 import queue
 import subprocess
@@ -31,6 +32,13 @@ def work(module, seeds):
             place = traceback.extract_tb(error.__traceback__)[-1]
             verdict = f"raw {type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
         print(f"{seed} " + ("held" if verdict is None else "failed " + verdict.replace("\n", " ")), file=answers)
+
+
+def forked(function, *arguments):
+    """Start a function in a copy of this process, which has imported kickdrift and run nothing of it; return the process."""
+    process = multiprocessing.get_context("fork").Process(target=function, args=arguments)
+    process.start()
+    return process
 
 
 def tried(module, seeds, patience=120.0):

@@ -201,7 +201,7 @@ JOBS = (
     "from kickdrift.world.collision import PAIRS;"
     "from kickdrift.world.collision.narrow_phase import COLLIDE;"
     "from kickdrift.engine import letters;"
-    "jobs = [(PAIRS[pair], COLLIDE) for pair in ((0, 2), (0, 3), (2, 2))];"
+    "jobs = [(PAIRS[0, 2], COLLIDE)];"
     "jobs += [job for job in letters.shared() if '_drift_drift_1_1_' in job[0].__name__];"
     "parallel_compile.processes_for = lambda jobs: 2;"
 )
@@ -216,7 +216,7 @@ def test_another_process_compiles_what_is_found_here(tmp_path):
         "workers.__enter__(); workers.__exit__(None, None, None);"
         "print(before, len(parallel_compile.missing(jobs)), parallel_compile.seconds_for(jobs) > 0.0, len(done))"
     )
-    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "4 0 True 4"
+    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)) == "2 0 True 2"
 
 
 @pytest.mark.parametrize("worker", ["raise SystemExit", "import time; time.sleep(0.5)"])

@@ -265,6 +265,7 @@ def test_members_whose_steps_vary_run_in_turn_with_the_bits_of_runs_alone(contro
         {"step_control": kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)},
         {"step_control": "acceleration", "method": "stormer-verlet"},
         {"rtol": 1e-6, "method": "dop853"},
+        {"step_control": kd.TimeTransformed(lambda x, params: params[0] / (1.0 + x @ x))},
     ],
 )
 def test_members_with_numbers_of_their_own_choose_their_steps_in_turn(control, in_lanes, monkeypatch):
@@ -274,6 +275,37 @@ def test_members_with_numbers_of_their_own_choose_their_steps_in_turn(control, i
     sol = kd.solve_ensemble(spring, SPAN, x, v, args=args, **options)
     assert in_lanes == {"lanes": 0, "alone": 1}
     assert all(is_member(sol, i, spring, x[i], v[i], args=args[i], **options) for i in range(3))
+
+
+def dropped(x, params):
+    return -9.81 * params[0] + 0.0 * x
+
+
+def rubbed_spring(x, params):
+    return -params[0] * x - 0.3 * params[-1]
+
+
+@pytest.mark.parametrize(
+    ("problem", "cut"),
+    [
+        (dropped, {"impacts": kd.Impacts(lambda x: x, restitution=0.8)}),
+        (dropped, {"impacts": kd.Impacts(lambda x: x, located=False), "method": "yoshida-4"}),
+        (dropped, {"impacts": lambda t, x, params: x - 0.1 * params[1] * t}),
+        (rubbed_spring, {"switches": lambda v, params: v - 0.2 * params[1]}),
+    ],
+    ids=["floor", "after", "moving", "switch"],
+)
+def test_members_with_impacts_or_switches_run_in_turn_with_the_bits_of_runs_alone(problem, cut, in_lanes, monkeypatch):
+    monkeypatch.setattr(running, "_TASK_SECONDS", 10.0)
+    x, v = np.array([[1.0], [0.5], [2.0], [-0.1], [0.0]]), np.array([[0.0], [1.0], [-3.0], [0.5], [0.4]])
+    args = np.array([[1.0, 0.1], [2.0, 0.2], [0.5, 0.3], [1.0, 0.4], [1.0, 2.0]])
+    options = {"step": 0.02, "method": "velocity-verlet", "t_eval": [3.0, 0.0, 0.33, 0.001, 3.0], **cut}
+    sol = kd.solve_ensemble(problem, SPAN, x, v, args=args, **options)
+    beyond = [3] if "impacts" in cut else []  # starts there
+    assert np.flatnonzero(~sol.success).tolist() == beyond
+    assert in_lanes == {"lanes": 0, "alone": 1 + len(beyond)}
+    for i in set(range(5)) - set(beyond):
+        assert is_member(sol, i, problem, x[i], v[i], args=args[i], **options)
 
 
 def test_times_between_steps_are_kept():
@@ -294,6 +326,21 @@ def test_any_number_of_threads_gives_the_same_bits(threads, monkeypatch):
     x, v = starts(333)
     runs = [kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, step=0.03, threads=n) for n in (1, threads)]
     assert runs[0].x.tobytes() == runs[1].x.tobytes()
+
+
+def test_threads_get_as_many_tasks_each(monkeypatch):
+    """Five tasks on two threads would take as long as six."""
+    monkeypatch.setattr(running, "_TASK", 256 * 100)
+    sizes, run = [], running.Runs._run_in_lanes
+
+    def noted(self, cohort, *given):
+        sizes.append(cohort.indices.size)
+        run(self, cohort, *given)
+
+    monkeypatch.setattr(running.Runs, "_run_in_lanes", noted)
+    x, v = starts(5 * 256)
+    kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, step=0.03, threads=2)
+    assert sorted(sizes) == [200, 216, 216, 216, 216, 216]
 
 
 def test_a_member_that_fails_is_marked_and_the_others_finish():

@@ -7,10 +7,12 @@ import sys
 
 import pytest
 
+from kickdrift.core import heap
+
 CODE = """
-import resource
+import resource, runpy, sys
 import numpy as np
-from kickdrift.core.heap import keep_freed_memory
+keep_freed_memory = runpy.run_path(sys.argv[1])["keep_freed_memory"]  # without the package, which takes long to import
 
 for keep in (lambda: None, keep_freed_memory):
     keep()
@@ -26,7 +28,7 @@ for keep in (lambda: None, keep_freed_memory):
 def page_faults(**variables):
     """Page faults of a hundred rounds, before and after memory that is freed is to be kept."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("MALLOC_")} | variables
-    command = [sys.executable, "-c", CODE]
+    command = [sys.executable, "-c", CODE, heap.__file__]
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
     return [int(line) for line in done.stdout.split()]
 

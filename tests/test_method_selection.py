@@ -35,13 +35,10 @@ PROBLEMS = {
         "v0": [0.0, 0.5, 0.1],
     },
     Kind.NEARLY_KEPLERIAN: {
-        "problem": replace(
-            kd.systems.planetary(
-                [1.0, 1e-3, 1e-3],
-                [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-2.0, 0.0, 0.0]],
-                [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.7, 0.0]],
-            ),
-            native=False,  # or all implicit flows would be compiled for it
+        "problem": kd.systems.planetary(
+            [1.0, 1e-3, 1e-3],
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-2.0, 0.0, 0.0]],
+            [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.7, 0.0]],
         )
     },
     Kind.MULTIRATE: {
@@ -78,7 +75,10 @@ RUNS_ON = {
 
 
 def solve(kind, method, **options):
-    return kd.solve(t_span=(0.0, 0.02), step=0.01, method=method, compile=False, **PROBLEMS[kind], **options)
+    given = PROBLEMS[kind]
+    if kind is Kind.NEARLY_KEPLERIAN and method != "wisdom-holman-switched":  # whose flow is compiled in any case
+        given = {"problem": replace(given["problem"], native=False)}  # or all implicit flows would be compiled for it
+    return kd.solve(t_span=(0.0, 0.02), step=0.01, method=method, compile=False, **given, **options)
 
 
 def test_the_table_and_the_problems_are_complete():

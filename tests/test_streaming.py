@@ -85,8 +85,9 @@ def falling(x):
         *("logarithmic", "planets", "impacts", "noise"),
     ],
 )
-def test_what_goes_to_disk_is_what_would_be_kept(problem, others, tmp_path):
+def test_what_goes_to_disk_is_what_would_be_kept(problem, others, tmp_path, monkeypatch):
     whole, path = solve(problem=problem, **others), tmp_path / "run.zarr"
+    monkeypatch.setattr(zarr_store, "_CHUNK", 100 * whole.x[0].nbytes)
     streamed = solve(path, problem=problem, **others)
     same(path, whole)
     assert streamed.saved_to == str(path)
@@ -151,9 +152,10 @@ def random_times(end, count=800):
         "noise",
     ],
 )
-def test_times_of_ones_own_go_to_disk(problem, others, tmp_path):
+def test_times_of_ones_own_go_to_disk(problem, others, tmp_path, monkeypatch):
     options = {"save_every": None, **others}
     whole, path = solve(problem=problem, **options), tmp_path / "run.zarr"
+    monkeypatch.setattr(zarr_store, "_CHUNK", 100 * whole.x[0].nbytes)
     streamed = solve(path, problem=problem, **options)
     same(path, whole)
     assert np.array_equal(streamed.t, whole.t[[0, -1]])
@@ -242,7 +244,7 @@ def test_readers_never_see_arrays_of_different_lengths(tmp_path, monkeypatch):
 
 
 def test_memory_stays_as_it_is(tmp_path, monkeypatch):
-    monkeypatch.setattr(zarr_store, "_CHUNK", 10_000 * 16)
+    monkeypatch.setattr(zarr_store, "_CHUNK", 2_500 * 16)
     solve(tmp_path / "warm", end=10.0, save_every=None)
 
     def most(end):
@@ -252,10 +254,10 @@ def test_memory_stays_as_it_is(tmp_path, monkeypatch):
         tracemalloc.stop()
         return peak
 
-    short, long = most(300.0), most(6000.0)
+    short, long = most(75.0), most(1500.0)
     assert long < 2.0 * short
-    assert opened(tmp_path / "6000.0").sizes["time"] == 384_001
-    assert long < 0.2 * 384_001 * 32
+    assert opened(tmp_path / "1500.0").sizes["time"] == 96_001
+    assert long < 0.2 * 96_001 * 32
 
 
 def test_what_would_not_fit_in_memory_says_so_and_names_the_way_out(tmp_path):

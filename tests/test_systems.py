@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import kickdrift as kd
+from kickdrift.core.compilation import is_kept
 from kickdrift.systems.kepler import eccentric_anomaly
 
 EXACT = [name for name in kd.systems.catalogue() if kd.systems.get(name).exact is not None]
@@ -111,6 +112,18 @@ def test_nbody_conserves_momentum_and_angular_momentum():
         assert np.abs(values - values[0]).max() < 1e-12 * np.abs(values).max() * 40
     lost = kd.solve(cluster, (0.0, 1.0), step=0.01, method="explicit-euler").invariants["angular momentum"]
     assert np.abs(lost - lost[0]).max() > 1e-3
+
+
+@pytest.mark.parametrize("massive", [100, 4])
+@pytest.mark.parametrize("make", [kd.systems.nbody, kd.systems.planetary])
+def test_accelerations_of_many_bodies_are_kept_once_they_are_compiled(make, massive):
+    x = np.random.default_rng(1).normal(size=(100, 3))
+    for system in (make(np.repeat([1.0, 0.0], [massive, 100 - massive]), x, 0 * x), make(np.ones(3), x[:3], 0 * x[:3])):
+        functions = [system.acceleration, *system.parts.values()]
+        assert all(is_kept(function) for function in functions), system
+    system = kd.systems.nbody(np.ones(100), x, 0 * x, threads=True)
+    assert is_kept(system.acceleration)
+    assert is_kept(system.unthreaded)
 
 
 def test_threads_change_no_bit():

@@ -3,10 +3,12 @@
 import os
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 import kickdrift as kd
@@ -19,6 +21,7 @@ from benchmarks.turns import in_turns, nanoseconds, ratio
 Floats = NDArray[np.float64]
 _MEMBERS, _STEPS = 100_000, 1000
 _SAVED = (1, 10, 100)  # times that are kept, beside the start
+_TURNS = 100_000  # of the loop in registers
 _OURS = ("kickdrift", "kickdrift plain", "kickdrift, a user's function")
 
 
@@ -29,6 +32,8 @@ def compare(rounds: int) -> list[Row]:
         "kickdrift plain": partial(_kickdrift, kd.systems.kepler(), compensated=False),
         "kickdrift, a user's function": partial(_kickdrift, writing),
         "kickdrift, two threads": partial(_kickdrift, kd.systems.kepler(), threads=2),
+        "a loop in registers": partial(_in_registers, 1),
+        "a loop in registers, two threads": partial(_in_registers, 2),
     }
     rows, pairs = [], []
     try:
@@ -44,6 +49,8 @@ def compare(rounds: int) -> list[Row]:
     if (os.cpu_count() or 1) > 1:
         pair = "kickdrift", "kickdrift, two threads"
         rows.append(measured(" / ".join(pair), ratio(costs, *pair), at_least(1.8), nanoseconds(costs, *pair)))
+        pair = "a loop in registers", "a loop in registers, two threads"
+        rows.append(measured(" / ".join(pair), ratio(costs, *pair), note="what two threads can be worth here"))
     rows += [measured(" / ".join(pair), ratio(costs, *pair), at_least(10), nanoseconds(costs, *pair)) for pair in pairs]
     return rows
 
@@ -63,6 +70,24 @@ def _kickdrift(problem: Any, compensated: bool = True, threads: int | None = 1, 
     )
     _check(sol.x[:, -1])
     return sol.wall_time * 1e9 / (_MEMBERS * _STEPS)
+
+
+def _in_registers(threads: int) -> float:
+    """Time a loop that needs no memory, on threads that share it."""
+    parts = [_TURNS // threads] * threads
+    with ThreadPoolExecutor(threads) as pool:
+        started = time.perf_counter()
+        list(pool.map(_roots, parts))
+        return time.perf_counter() - started
+
+
+@njit(nogil=True)  # type: ignore[untyped-decorator]
+def _roots(turns: int) -> float:
+    numbers = np.ones(64)
+    for _ in range(turns):
+        for i in range(64):
+            numbers[i] = 1.0 / np.sqrt(numbers[i] + 1.0)
+    return float(numbers.sum())
 
 
 def diffrax(saved: int) -> Callable[[], float]:

@@ -113,7 +113,7 @@ def run_courses(
 ) -> Courses:
     """Run members from their starts, (M, *shape), to the end of a course with times that are wanted.
 
-    Each has its `params`, (M, p), the same for all where states are processed, and those of the control of its steps.
+    Each has its `params`, (M, p), and those of the control of its steps, which go for the control of parts of steps, too.
     """
     kernel, count, rows = processing.kernel, x.shape[0], grid.marks.size + 2  # the first one and the last one, too
     starts, velocities = (np.ascontiguousarray(own.reshape(count, -1)) for own in (x, v))
@@ -140,7 +140,8 @@ def run_courses(
             filled += 1
         kept = ts[m, :filled], xs[m, :filled], vs[m, :filled], sizes[m, :filled]
         outputs.append(DenseOutput.of_rows(grid, States(x[m], v[m]), kept, grid.t1, between))
-    states = _at_wanted(grid, outputs, members, evaluations, params[members])
+    numbers_between = np.concatenate((params, of_control), axis=1)[members]
+    states = _at_wanted(grid, outputs, members, evaluations, numbers_between)
     steps = marks[:, ACCEPTED]
     return Courses(*states, good, steps, marks[:, TRIALS] - steps, evaluations, facts[:, _SMALLEST : _LARGEST + 1])
 

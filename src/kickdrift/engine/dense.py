@@ -150,7 +150,7 @@ def states_of(
 ) -> list[tuple[Floats, Floats, int]]:
     """Return of each of some outputs of one method what `DenseOutput.states_at` returns, at its times, all at once.
 
-    Each may have params of its own, (O, p).
+    Each may have params of its own, (O, p), followed by those of the control of parts of steps.
     """
     places = [output._places(times) for output, times in zip(outputs, wanted, strict=True)]
     row = [own for own, _, _ in places]

@@ -16,6 +16,8 @@ from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 
+BEYOND = 1e-9  # of the size of x: a start that is farther behind a surface is refused
+
 
 def masses_of(given: Any, problem: Any, system: System) -> Floats:
     """Return a mass for each component of the state."""
@@ -79,7 +81,7 @@ def check_start(start: Floats, count: int, length: float) -> None:
     """
     if not np.isfinite(start).all():
         raise ArgumentError(f"the gaps at the start are {start.tolist()!r}; they must be finite.")
-    beyond: Sequence[int] = np.flatnonzero(start[:count] < -1e-9 * length).tolist()
+    beyond: Sequence[int] = np.flatnonzero(start[:count] < -BEYOND * length).tolist()
     if beyond:
         raise ArgumentError(
             f"gap {beyond[0]} is {float(start[beyond[0]])!r} at the start, beyond the surface; gaps are positive where"

@@ -21,6 +21,7 @@ from kickdrift.engine.flows.layout import (
     TROUBLE,
     at_end,
     move_clock,
+    own_params,
 )
 
 Floats = NDArray[np.float64]
@@ -187,7 +188,8 @@ def change(
 ) -> None:
     """Advance each row of xs and vs by steps of one size from its time, with a blank work array; NaN if a flow fails.
 
-    Each row of `numbers`, if there are any, is the params of one row. `clocks` get the final times of letters that move the
+    Each row of `numbers`, if there are any, is the params of one row, followed by those of the control of its steps, which are
+    left out where there is none. `clocks` get the final times of letters that move the
     clock, and `counted` the evaluations that flows count themselves.
     """
     for row in range(times.size):
@@ -195,7 +197,9 @@ def change(
         assign(v, vs[row])
         assign(work, blank)
         if numbers.shape[0]:
-            assign(params, numbers[row])
+            assign(params, numbers[row, : params.size])
+            own = own_params(work)
+            assign(own, numbers[row, params.size : params.size + own.size])
         work[CLOCK] = times[row]
         h = sizes[row]
         for k in range(primers.size):

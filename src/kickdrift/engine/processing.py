@@ -87,7 +87,7 @@ class Processing:
     ) -> tuple[Floats, Floats, NDArray[np.int64]]:
         """Advance each row, the user's states (T, *shape), by `counts` steps of `sizes` from its time.
 
-        Rows may have their own params, `numbers` (T, p), if there is no frame.
+        Rows may have their own params, `numbers` (T, p), and those of the control of steps, if there is no frame.
 
         Returns
         -------

@@ -175,7 +175,7 @@ class Stepper:
     ) -> tuple[NDArray[np.int64], Floats]:
         """Advance each row in place by `counts` steps of `sizes` from its time, without memory of the flows.
 
-        Rows may have their own params, `numbers` (T, p).
+        Rows may have their own params, `numbers` (T, p), followed by those of the control of steps.
 
         Returns
         -------

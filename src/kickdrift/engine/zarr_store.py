@@ -29,6 +29,7 @@ class ZarrStore(ZarrGroup):
     """
 
     rows, chunk = 0, 1
+    _arrays: dict[str, Any]
 
     def create(self, attributes: Mapping[str, Any], arrays: Mapping[str, Array], labels: Mapping[str, Any]) -> None:
         """Create the group, replacing an earlier one of this run.
@@ -42,8 +43,9 @@ class ZarrStore(ZarrGroup):
         self.chunk = max(1, _CHUNK // widest)
         with self._writing():
             self._begin(attributes, labels)
+            self._arrays = {}
             for name, array in arrays.items():
-                self._group.create_array(
+                self._arrays[name] = self._group.create_array(
                     name,
                     shape=(0, *array.shape),
                     chunks=(self.chunk, *array.shape),
@@ -65,7 +67,8 @@ class ZarrStore(ZarrGroup):
         with self._writing():
             try:
                 self._group = self._zarr.open_group(self.path, mode="r+", use_consolidated=False)
-                there = min(array.shape[0] for _, array in self._along_time())
+                self._arrays = dict(self._along_time())
+                there = min(array.shape[0] for array in self._arrays.values())
             except (FileNotFoundError, KeyError, ValueError) as error:
                 raise FileFormatError(
                     f"save_to={str(self.path)!r} does not match the checkpoint ({type(error).__name__}: {error});"
@@ -77,7 +80,7 @@ class ZarrStore(ZarrGroup):
                     " the checkpoints to start again."
                 )
             self.chunk = self._group["time"].chunks[0]
-            for _, array in self._along_time():
+            for array in self._arrays.values():
                 array.resize((rows, *array.shape[1:]))
             self.rows = rows
             self._commit()
@@ -93,7 +96,7 @@ class ZarrStore(ZarrGroup):
         end = self.rows + len(rows["time"])
         with self._writing():
             for name, values in rows.items():
-                array = self._group[name]
+                array = self._arrays[name]
                 array.resize((end, *array.shape[1:]))
                 array[self.rows : end] = values
             self._group.attrs.update(attributes)
@@ -102,8 +105,8 @@ class ZarrStore(ZarrGroup):
 
     def rows_at(self, which: NDArray[np.intp]) -> tuple[NDArray[np.float64], ...]:
         """Return time, x and v of some rows."""
-        names = ("time", "x", "v") if "v" in self._group else ("time", "x")
-        rows = [np.asarray(self._group[name].get_orthogonal_selection(which)) for name in names]
+        names = ("time", "x", "v") if "v" in self._arrays else ("time", "x")
+        rows = [np.asarray(self._arrays[name].get_orthogonal_selection(which)) for name in names]
         return (*rows, *[np.zeros((len(which), 0))] * (3 - len(rows)))
 
     def _along_time(self) -> Iterator[tuple[str, Any]]:

@@ -14,9 +14,12 @@ from kickdrift.core.room import free_bytes
 from kickdrift.engine import quantities
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.controller import Controller
+from kickdrift.engine.cut_members import cut_numbers
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.event_functions import Event, check_path, events_of
+from kickdrift.engine.flows.surfaces import PLACE_OF_SIDES
 from kickdrift.engine.grid import Course, Grid
+from kickdrift.engine.impacts import Impacts
 from kickdrift.engine.method_selection import Choice, check_direction, choose
 from kickdrift.engine.problem_adapter import Adapter
 from kickdrift.engine.start import parameters, start_of
@@ -130,6 +133,10 @@ class Prepared:
         params = np.broadcast_to(system.params, (members.count, system.params.size)).copy()
         if members.args is not None:
             params[:, : members.args.shape[1]] = members.args
+        place = self._place_of_sides()
+        if place >= 0:
+            _, sides, _ = self.cut_numbers(np.arange(members.count), x, v)
+            params[:, place : place + sides.shape[1]] = sides
         if members.seeds is not None:
             params[:, -2], params[:, -1] = members.seeds & np.uint64(0xFFFFFFFF), members.seeds >> np.uint64(32)
         for i in np.unique(
@@ -148,6 +155,37 @@ class Prepared:
             np.stack([getattr(system, name).reshape(-1) for system in systems]) for name in ("x0", "v0", "params")
         )
         return x, v, params
+
+    def with_args(self, params: Floats, indices: NDArray[np.intp]) -> Floats:
+        """Return params that begin with the numbers of users, with those of each of some members."""
+        args, numbers = self.members.args, np.tile(params, (indices.size, 1))
+        if args is not None:
+            numbers[:, : args.shape[1]] = args[indices] if len(args) > 1 else args
+        return numbers
+
+    def cut_alike(self) -> bool:
+        """Whether impacts and switches of the members, if there are any, differ by starts and numbers of users alone."""
+        steering, members, controller = self.settings.steering, self.members, self.controller
+        if not steering.cuts:
+            return True
+        assert controller is not None
+        if members.made is not None or (steering.impacts is not None and steering.switches is not None):
+            return False
+        frictionless = not isinstance(steering.impacts, Impacts) or not np.any(steering.impacts.friction)
+        return frictionless or self.system.x0.ndim < 2  # or else friction is checked at each start
+
+    def cut_numbers(self, indices: NDArray[np.intp], x: Floats, v: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Return what impacts or switches of some members are, see `kickdrift.engine.cut_members.cut_numbers`."""
+        assert self.controller is not None
+        assert self.controller.function is not None
+        params = self.controller.function.params
+        of_function = self.with_args(np.zeros(0) if params is None else params, indices)
+        return cut_numbers(self.controller, self.system, self.cohorts[0].grid.t0, x, v, of_function)
+
+    def _place_of_sides(self) -> int:
+        """Return where the sides of switches are in the params, -1 where they are not."""
+        controller = self.controller
+        return -1 if not self.settings.steering.cuts or controller is None else int(controller.params[PLACE_OF_SIDES])
 
     def evaluate(self, name: str, x: Floats, v: Floats) -> Floats:
         """Evaluate a conserved quantity of all members at their rows: (M, T), or (M, T, size)."""

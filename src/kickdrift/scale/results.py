@@ -22,8 +22,8 @@ class Results:
     x: Floats
     v: Floats
     rows: NDArray[np.int64]
-    status: list[Outcome]
-    messages: list[str]
+    status: NDArray[np.object_]  # outcomes
+    messages: NDArray[np.object_]
     step: Floats
     step_range: Floats
     n_steps: NDArray[np.int64]
@@ -41,8 +41,8 @@ class Results:
             np.empty((count, times, *shape)),
             np.empty((count, times, *shape_of_v)),
             np.zeros(count, dtype=np.int64),
-            [Outcome.INTERRUPTED] * count,
-            [f"{Outcome.INTERRUPTED.value} It did not start."] * count,
+            np.full(count, Outcome.INTERRUPTED, dtype=object),
+            np.full(count, f"{Outcome.INTERRUPTED.value} It did not start.", dtype=object),
             np.zeros(count),
             np.zeros((count, 2)),
             np.zeros(count, dtype=np.int64),
@@ -73,8 +73,7 @@ class Results:
         message = outcome.value
         if isinstance(grid, Grid) and not outcome.success:
             message += f" It ends at t={grid.t0 + steps * grid.step!r}, after {steps} of {grid.n_steps} steps."
-        for i in indices:
-            self.status[i], self.messages[i] = outcome, message
+        self.status[indices], self.messages[indices] = outcome, message
         self.done[indices] = outcome.success
 
     def put(self, first: int, other: "Results") -> None:

@@ -108,8 +108,9 @@ class Runs:
             self._done += steps
 
     def _split(self, run: Callable[..., None], cohort: Cohort, size: int, *given: Any) -> Iterator[Task]:
-        """Divide a cohort into tasks of a limited number of members, such that all threads have some."""
-        size = min(size, _rounded_up(-(-cohort.indices.size // self._threads)))
+        """Divide a cohort into tasks of a limited number of members, equally many for each thread."""
+        tasks = -(-cohort.indices.size // (size * self._threads)) * self._threads
+        size = min(size, _rounded_up(-(-cohort.indices.size // tasks)))
         for first in range(0, cohort.indices.size, size):
             yield partial(run, Cohort(cohort.indices[first : first + size], cohort.grid), *given)
 

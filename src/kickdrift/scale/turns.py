@@ -23,7 +23,7 @@ Numbers = tuple[Floats, Floats, Floats]
 
 def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
     """Return x, v and params of all members, if they may run in turn: what is compiled, and knows params, is one for all."""
-    if not prepared.system.native or prepared.settings.steering.cuts:
+    if not prepared.system.native or not prepared.cut_alike():
         return None
     if any(event.rate_bound is not None for event in prepared.events) and any(
         event.terminal for event in prepared.events
@@ -32,9 +32,7 @@ def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
     if isinstance(grid, Course):
         if prepared.events:
             return None
-        between = None if prepared.controller is None else prepared.controller.between
-        alike = prepared.one_system() or between is None
-        return prepared.numbers() if alike and not _driven(prepared, grid).is_processed else None
+        return None if _driven(prepared, grid).is_processed else prepared.numbers()
     numbers = prepared.numbers()
     if numbers is not None and (prepared.events or not prepared.one_system()):
         return None if _processing(prepared, grid).is_processed else numbers
@@ -44,21 +42,9 @@ def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
 def run_in_turn(prepared: Prepared, cohort: Cohort, numbers: Numbers, most: int, results: Results) -> NDArray[np.bool_]:
     """Run members, for a limited number of steps if these vary, and return which of them reached the end."""
     grid, indices = cohort.grid, cohort.indices
-    x, v, params = (array[indices] for array in numbers)
-    x = x.reshape(indices.size, *results.x.shape[2:])
-    v = v.reshape(indices.size, *results.v.shape[2:])
     if isinstance(grid, Course):
-        between = cache(partial(_driven, prepared, grid, True))
-        of_control = _numbers_of_control(prepared, params, indices)
-        courses = run_courses(_driven(prepared, grid), between, grid, x, v, params, of_control, most)
-        good = courses.good
-        results.x[indices[good]], results.v[indices[good]] = courses.x, courses.v
-        results.note(indices[good], grid, courses.n_steps[good], results.x.shape[1], courses.evaluations[good])
-        results.rejected[indices[good]], results.step_range[indices[good]] = (
-            courses.rejected[good],
-            courses.step_range[good],
-        )
-        return good
+        return _run_courses(prepared, grid, indices, numbers, most, results)
+    x, v, params = _of(indices, numbers, results)
     between = cache(partial(_processing, prepared, grid, True))
     if prepared.events:
         return _watched(prepared, cohort, between, numbers_of_events(prepared, indices), (x, v, params), results)
@@ -66,6 +52,32 @@ def run_in_turn(prepared: Prepared, cohort: Cohort, numbers: Numbers, most: int,
     good = turns.good
     results.x[indices[good]], results.v[indices[good]] = turns.x[good], turns.v[good]
     results.note(indices[good], grid, grid.n_steps, turns.x.shape[1], turns.evaluations[good])
+    return good
+
+
+def _of(indices: NDArray[np.intp], numbers: Numbers, results: Results) -> Numbers:
+    """Return x and v, (M, *shape), and params of some members."""
+    x, v, params = (array[indices] for array in numbers)
+    return x.reshape(len(x), *results.x.shape[2:]), v.reshape(len(v), *results.v.shape[2:]), params
+
+
+def _run_courses(
+    prepared: Prepared, grid: Course, indices: NDArray[np.intp], numbers: Numbers, most: int, results: Results
+) -> NDArray[np.bool_]:
+    """Run members with variable steps, and return who reached the end."""
+    between = cache(partial(_driven, prepared, grid, True))
+    if prepared.settings.steering.cuts:
+        of_control, _, good = prepared.cut_numbers(indices, numbers[0][indices], numbers[1][indices])
+    else:
+        of_control, good = _numbers_of_control(prepared, numbers[2][indices], indices), np.full(indices.size, True)
+    which = indices[good]
+    courses = run_courses(_driven(prepared, grid), between, grid, *_of(which, numbers, results), of_control[good], most)
+    good[good] = courses.good
+    which, n_steps = indices[good], courses.n_steps[courses.good]
+    results.x[which], results.v[which] = courses.x, courses.v
+    results.note(which, grid, n_steps, results.x.shape[1], courses.evaluations[courses.good])
+    results.rejected[which] = courses.rejected[courses.good]
+    results.step_range[which] = courses.step_range[courses.good]
     return good
 
 
@@ -97,7 +109,7 @@ def _watched(
 def numbers_of_events(prepared: Prepared, indices: NDArray[np.intp]) -> list[Floats]:
     """Return the params of each event for some members: numbers of users, and of the functions themselves."""
     params = [event.quantity.params for event in prepared.events]
-    return [_with_args(prepared, prepared.system.params if own is None else own, indices) for own in params]
+    return [prepared.with_args(prepared.system.params if own is None else own, indices) for own in params]
 
 
 def _numbers_of_control(prepared: Prepared, params: Floats, indices: NDArray[np.intp]) -> Floats:
@@ -108,15 +120,7 @@ def _numbers_of_control(prepared: Prepared, params: Floats, indices: NDArray[np.
         return np.tile(controller.params, (indices.size, 1))
     if np.array_equal(controller.params, prepared.system.params):
         return np.ascontiguousarray(params)
-    return _with_args(prepared, controller.params, indices)
-
-
-def _with_args(prepared: Prepared, params: Floats, indices: NDArray[np.intp]) -> Floats:
-    """Return params that begin with the numbers of users, with those of each member."""
-    args, numbers = prepared.members.args, np.tile(params, (indices.size, 1))
-    if args is not None:
-        numbers[:, : args.shape[1]] = args[indices] if len(args) > 1 else args
-    return numbers
+    return prepared.with_args(controller.params, indices)
 
 
 def _processing(prepared: Prepared, grid: Grid, between: bool = False) -> Processing:

@@ -23,25 +23,25 @@ from kickdrift.systems.system import Frame
 Floats = NDArray[np.float64]
 
 
-@compiled(cached=False)
+@compiled
 def _of_few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_pairwise(1.0, x[3:], planets(x.size, params), out[3:])
 
 
-@compiled(cached=False)
+@compiled
 def _of_many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_tiled(1.0, x[3:], planets(x.size, params), out[3:])
 
 
-@compiled(cached=False)
+@compiled
 def _of_massless(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     add_gravity_of_massive(1.0, x[3:], planets(x.size, params), out[3:])
 
 
-@compiled(cached=False)
+@compiled
 def _jump(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     share = weights(x.size, params)
     jx = jy = jz = 0.0

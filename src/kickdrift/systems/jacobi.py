@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 _FLOATS_OF_FEW = 3 * FEW
 
 
-@compiled(cached=False)
+@compiled
 def _of_few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     position = carray(floats_on_stack(_FLOATS_OF_FEW), (_FLOATS_OF_FEW,))  # an array would cost 30 ns
     out[:] = 0.0
@@ -38,7 +38,7 @@ def _of_few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None
     combine(x, params, position, True, out)
 
 
-@compiled(cached=False)
+@compiled
 def _of_many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     position = np.empty(x.size)
     out[:] = 0.0
@@ -47,7 +47,7 @@ def _of_many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> Non
     combine(x, params, position, False, out)
 
 
-@compiled(cached=False)
+@compiled
 def _of_massless(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     position = np.empty(x.size)
     out[:] = 0.0

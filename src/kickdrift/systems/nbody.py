@@ -20,11 +20,10 @@ from kickdrift.systems.units import of_bodies
 
 Floats = NDArray[np.float64]
 
-# params is [G, softening^2, Gm_0, ..., Gm_(N-1)]; `gravity` takes it from the softening on. Not cached: Numba
-# watches the file of a cached function for changes, and not those of the functions that it calls.
+# params is [G, softening^2, Gm_0, ..., Gm_(N-1)]; `gravity` takes it from the softening on.
 
 
-@compiled(cached=False)
+@compiled
 def _kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
     gravity.add_gravity_pairwise(h, x, params[1:], v)
 
@@ -33,46 +32,46 @@ def _own_kick(compensated: bool) -> Function | None:
     return None if compensated else _kick
 
 
-@compiled(cached=False)
+@compiled
 def _few(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_pairwise(1.0, x, params[1:], out)
 
 
-@compiled(cached=False)
+@compiled
 def _mostly_massless(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     add_gravity_of_massive(1.0, x, params[1:], out)
 
 
-@compiled(cached=False)
+@compiled
 def _many(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_tiled(1.0, x, params[1:], out)
 
 
-@compiled(cached=False)
+@compiled
 def _many_threaded(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[:] = 0.0
     gravity.add_gravity_threaded(1.0, x, params[1:], out)
 
 
-@compiled(cached=False)
+@compiled
 def _energy(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     out[0] = gravity.energy(x, v, params[1:], params[0])
 
 
-@compiled(cached=False)
+@compiled
 def _momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     gravity.momentum(x, v, params[1:], params[0], out)
 
 
-@compiled(cached=False)
+@compiled
 def _angular_momentum(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     gravity.angular_momentum(x, v, params[1:], params[0], out)
 
 
-@compiled(cached=False)
+@compiled
 def _density(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     # The root of the sum of the squares of the angular velocities that pairs would have on circles.
     squares = 0.0

@@ -131,7 +131,7 @@ def _sizes(radii: ArrayLike, system: System) -> Floats:
     return sizes
 
 
-@compiled(cached=False)
+@compiled
 def _energy_of_merged(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
     total = 0.0
     for i in range(params.size - 2):
@@ -152,7 +152,7 @@ def _energy_of_merged(t: float, x: Floats, v: Floats, params: Floats, out: Float
 
 @cache
 def _of_bodies(of_nbody: Function) -> Function:
-    return compiled(cached=False)(specialise(_without_splitting, f"{of_nbody.__name__}_of_bodies", function=of_nbody))
+    return compiled(specialise(_without_splitting, f"{of_nbody.__name__}_of_bodies", function=of_nbody))
 
 
 def _without_splitting(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
@@ -164,7 +164,7 @@ def _kick_of_bodies(of_nbody: Callable[[bool], Function | None], compensated: bo
     kick = of_nbody(compensated)
     if kick is None:
         return None
-    return compiled(cached=False)(specialise(_kick_without_splitting, "kick_of_bodies", function=kick))
+    return compiled(specialise(_kick_without_splitting, "kick_of_bodies", function=kick))
 
 
 def _kick_without_splitting(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
