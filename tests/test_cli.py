@@ -289,7 +289,7 @@ REFUSED = {
     ("run", "kepler", "--output", "/proc/kickdrift"): ["--output='/proc/kickdrift'", "cannot be written"],
     ("view", "pyramd"): ["TARGET='pyramd'", "'pyramid'"],
     ("view", "kepler"): ["is a system", "kickdrift run kepler"],
-    ("view", "notes.txt"): ["TARGET='notes.txt'", "no file to view", ".npz"],
+    ("view", "notes.txt"): ["TARGET='notes.txt'", "cannot be viewed", ".npz"],
     ("view", "missing.npz"): ["missing.npz", "No such file"],
     ("view", "notes.npz"): ["notes.npz", "is not a kickdrift solution"],
     ("view", "missing.xml"): ["missing.xml", "No such file"],
@@ -510,7 +510,7 @@ def test_runs_that_were_saved_become_pages(folder, monkeypatch):
         assert (folder / f"{name}.html").read_text(encoding="utf-8").startswith("<!doctype html>")
     result = call("view", "ball.npz", "--step", "0.1")
     assert result.exit_code == cli.BAD_INPUT
-    assert "--step='0.1' is for worlds" in result.stderr
+    assert "--step='0.1' applies to worlds" in result.stderr
 
 
 def test_robots_are_viewed_with_what_is_to_be_said_of_them(folder, monkeypatch):

@@ -50,7 +50,11 @@ def test_recordings_become_sequences_of_meshes_that_are_read_again(tmp_path, for
 
 @pytest.mark.parametrize(
     ("name", "content", "words"),
-    [("none.obj", None, "no file"), ("empty.obj", "nothing", "no triangles"), ("odd.glb", "glTF?", "cannot be read")],
+    [
+        ("none.obj", None, "is not a file"),
+        ("empty.obj", "nothing", "no triangles"),
+        ("odd.glb", "glTF?", "cannot be read"),
+    ],
 )
 def test_files_that_no_mesh_is_in(tmp_path, name, content, words):
     path = tmp_path / name

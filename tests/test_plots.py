@@ -220,7 +220,7 @@ def test_plots_go_into_axes_of_ones_own(pendulum, tmp_path):
     assert len(figure.axes) == 4
     assert (tmp_path / "all.png").exists()
     for draw in (pendulum.plot, lambda ax: plots.plot_stability_region("leapfrog", ax=ax)):
-        with pytest.raises(ArgumentError, match=r"ax=.* is no Axes of matplotlib"):
+        with pytest.raises(ArgumentError, match=r"ax=.* is not a matplotlib Axes"):
             draw(ax=figure)
 
 

@@ -206,7 +206,7 @@ def test_rows_are_shown_thirty_times_a_second():
 def test_a_recording_that_cannot_be_shown_says_why(tmp_path, monkeypatch):
     made = recording([Box((1, 1, 1))], [np.zeros((2, 3))])
     bare = replace(made, appearance=made.appearance._replace(parts=()))
-    with pytest.raises(KickdriftError, match="no shapes, and so there is nothing to be seen"):
+    with pytest.raises(KickdriftError, match="no shapes, and so there is nothing to show"):
         bare.to_html(tmp_path / "a.html")
     with pytest.raises(KickdriftError, match=r"the states are in 'x\.zarr'"):
         replace(made, saved_to="x.zarr").to_html(tmp_path / "a.html")

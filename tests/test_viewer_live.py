@@ -331,7 +331,7 @@ def test_a_server_that_is_started_in_another_way_is_refused(monkeypatch):
 
 @pytest.mark.parametrize("port", [-1, 65536, True, "8080", 80.0])
 def test_a_port_that_cannot_be_is_refused(port):
-    with pytest.raises(ArgumentError, match=r"has to be a whole number from 0 to 65535"), local_server(port):
+    with pytest.raises(ArgumentError, match=r"must be a whole number from 0 to 65535"), local_server(port):
         pass
 
 
@@ -501,7 +501,7 @@ def test_two_worlds_have_a_page_each_and_a_port_that_is_taken_is_refused(page):
     _, _, first = page
     world, _ = falling()
     port = int(first.url.rsplit(":", 1)[1])
-    with pytest.raises(ArgumentError, match=rf"port={port} is taken, .* give another port, 0 for any that is free"):
+    with pytest.raises(ArgumentError, match=rf"port={port} is in use .* give another port, or 0 for a free one"):
         world.view(STEP, port=port)
     with world.view(STEP, port=0) as second, Browser(second.url) as browser:
         assert second.url != first.url
@@ -509,13 +509,13 @@ def test_two_worlds_have_a_page_each_and_a_port_that_is_taken_is_refused(page):
 
 
 def test_what_cannot_be_seen_is_refused(monkeypatch):
-    with pytest.raises(KickdriftError, match="the world has no shapes, and so there is nothing to be seen"):
+    with pytest.raises(KickdriftError, match="the world has no shapes, and so there is nothing to show"):
         kd.World().view(STEP, port=0)
     world, _ = falling()
     for step in (0.0, -1.0, np.nan, "fast"):
         with pytest.raises(ArgumentError, match="step="):
             world.view(step, port=0)
-    with pytest.raises(ArgumentError, match="control=3 has to be a function without arguments"):
+    with pytest.raises(ArgumentError, match="control=3 must be a function without arguments"):
         world.view(STEP, control=3, port=0)
     monkeypatch.setitem(sys.modules, "viser", None)
     with pytest.raises(MissingExtraError, match=r"needs the package 'viser'.* pip install 'kickdrift\[viewer\]'"):

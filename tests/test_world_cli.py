@@ -132,7 +132,7 @@ def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):
             ("run", "pyramid", "--method", "leapfrog"),
             "--method='leapfrog' applies to systems, and 'pyramid' is a scene",
         ),
-        (("run", "kepler", "--film"), "--film applies to scenes, and 'kepler' is none"),
+        (("run", "kepler", "--film"), "--film applies to scenes, but 'kepler' is not one"),
         (("run", "pyramid", "--years", "1"), "--years='1' applies to systems"),
         (("run", "pyramid", "--bodies", "Sun"), "--bodies='Sun' applies to"),
         (("run", "pyramid", "--duration", "-1"), "--duration='-1' must be positive"),

@@ -735,7 +735,7 @@ def test_a_file_reads_nothing_outside_of_its_folder(name, tmp_path):
     tetrahedron(tmp_path / "other.stl")
     (inside / "link.stl").symlink_to(tmp_path / "other.stl")
     path = text(inside, *OUTSIDE[name])
-    with pytest.raises(FileFormatError, match="pass folder=, a folder with all that it may read"):
+    with pytest.raises(FileFormatError, match="pass folder=, a folder that contains all files that it may read"):
         load_robot(path)
     if name not in ("a height field", "an include", "an include by its number"):
         assert load_robot(path, folder=tmp_path).bodies is not None

@@ -1,4 +1,4 @@
-"""Pages that are made of the catalogues whenever the site is built: methods, kinds of problem, systems, scenes."""
+"""Pages that are written from the catalogues whenever the site is built: methods, kinds of problem, systems, scenes."""
 
 import hashlib
 from collections.abc import Iterable, Sequence
@@ -18,7 +18,7 @@ _DESCRIPTIONS = {
     Kind.MULTIRATE: "Multirate", Kind.OSCILLATORY: "Oscillatory", Kind.CONSTRAINED: "Constrained",
     Kind.LANGEVIN: "Langevin",
 }  # fmt: skip
-# What is drawn for each kind: its steps are halved so often from the largest one.
+# The methods drawn for each kind, and how often the largest step is halved.
 _DRAWN = {
     Kind.NEWTONIAN: ("semi-implicit-euler", "velocity-verlet", "forest-ruth-4", "blanes-moan-srkn6b",
                      "blanes-moan-srkn11b", "kahan-li-8", "runge-kutta-4"),
@@ -82,7 +82,7 @@ def _methods_page(measured: dict[str, float | None]) -> str:
 
 _METHODS_TEXT = """# Methods
 
-The {count} methods of the catalogue, by the widest kind of problem that each is made for; it keeps its order on the more
+The {count} methods of the catalogue, by the widest kind of problem for which each is made. A method keeps its order on the more
 special kinds, too, see [](kinds.md).
 
 ```{{toctree}}
@@ -92,15 +92,15 @@ kinds
 systems
 ```
 
-A name in this table, or one of the others in brackets, is what `method=` takes in
-{{obj}}`kickdrift.solve`.
+The argument `method=` of {{obj}}`kickdrift.solve` takes the names in these tables, or their aliases in brackets.
 
 The word lists the flows of a step, first to last, each with its share of the step: `K` is a kick, `D` a drift, and the other
 letters are in {{obj}}`kickdrift.methods.Letter`. The measured order is the slope of the error over the step on the problem
-named above each table, from the four smallest steps whose errors are above rounding. From order 8 on few steps lie
-between those that are too large and those whose error is rounding, so that the slope is rough there: the test suite measures
-these words in extended precision. Of methods for planets, the numbers in brackets are the orders of the error's parts
-that are proportional to the mass of the planets, to its square, and so on. For Langevin dynamics the order is that of averages.
+named above each table, from the four smallest steps whose errors are above rounding. From order 8 on, few steps lie
+between those that are too large and those whose error is rounding, so that the slope is inaccurate there: the test suite
+measures these words in extended precision. For methods for planets, the numbers in brackets are the orders of the parts of the
+error that are proportional to the masses of the planets, to their square, and so on. For Langevin dynamics the order is that
+of averages.
 """
 
 
@@ -122,14 +122,14 @@ def _kinds_page(measured: dict[str, float | None], pictures: dict[Kind, str]) ->
         listed = f"Methods made for it: {{ref}}`the table <{_anchor(kind)}-methods>`. " if own else ""
         parts.append(
             f"({_anchor(kind)})=\n## {title}\n\n"
-            f'Described by {{obj}}`kickdrift.{_DESCRIPTIONS[kind]}`. {listed}`method="auto"` takes:\n\n'
+            f'Described by {{obj}}`kickdrift.{_DESCRIPTIONS[kind]}`. {listed}`method="auto"` selects:\n\n'
             + _table(("order wanted", "method", "its order", "evaluations a step"), rows)
             + "\n"
         )
         if kind in pictures:
             parts.append(
                 f"```{{figure}} {pictures[kind]}\n:alt: Error at the end over force evaluations and over time\n\n"
-                f"{CASES[kind].formula}: the error at the end over what it costs. Times are those of the machine that"
+                f"{CASES[kind].formula}: the error at the end over its cost. Times are those of the machine that"
                 " built this page.\n```\n"
             )
     return "\n".join(parts)
@@ -142,8 +142,8 @@ def measured_methods() -> list[Method]:
 
 _KINDS_TEXT = """# Kinds of problem
 
-What you describe determines which methods fit. A kind includes the more special ones that are indented below it, and a
-method that has its order on a kind has it on those:
+The description of a problem determines its kind, and the kind the methods that suit it. A kind includes the more special ones
+indented below it, and a method that has its order on a kind also has it on those:
 
 ```text
 first-order equations
@@ -162,8 +162,8 @@ constraints
 Langevin dynamics
 ```
 
-A method that would lose its order on a problem is refused, by a sentence that names one that keeps it. The folder `benchmarks`
-of the sources has the same pictures with the peers that can do each kind.
+A method that would lose its order on a problem is refused, and the error names one that keeps it. The folder `benchmarks`
+of the sources has the same pictures with the other libraries that support each kind.
 """
 
 
@@ -187,11 +187,11 @@ def _systems_page() -> str:
 
 _SYSTEMS_TEXT = """# Systems and scenes
 
-Systems with a start of their own, which `kickdrift run NAME` and {{obj}}`kickdrift.systems.get` take:
+Systems with a default initial state, for `kickdrift run NAME` and {{obj}}`kickdrift.systems.get`:
 
 {systems}
 
-Scenes of bodies that touch, which `kickdrift run NAME` simulates:
+Scenes of rigid bodies and cloth, for `kickdrift run NAME`:
 
 {scenes}
 """

@@ -92,8 +92,8 @@ def run(
             help="Zarr folder, such as run.zarr, to which all states are written during the run, instead of the files."
         ),
     ] = None,
-    film: Annotated[bool, typer.Option("--film", help="Write an animation of a scene, too: <scene>.gif.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Write the files, and print errors only.")] = False,
+    film: Annotated[bool, typer.Option("--film", help="Also write an animation of a scene, <scene>.gif.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
 ) -> None:
     """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.html."""
     options = Options(duration, years, step, method, bodies, save_every)
@@ -103,7 +103,7 @@ def run(
         raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet, checkpoint, save_to, film))
     if film:
         raise ArgumentError(
-            f"--film applies to scenes, and {target!r} is none (see: kickdrift list scenes); leave it out."
+            f"--film applies to scenes, but {target!r} is not one (see: kickdrift list scenes); leave it out."
         )
     from kickdrift.cli.run import run as do
 
@@ -130,8 +130,8 @@ def view(
     target: Annotated[
         str, typer.Argument(help="A scene (see: kickdrift list scenes), a robot's .xml or .urdf, or a .npz file.")
     ],
-    step: Annotated[str | None, typer.Option(help="Of a world, in seconds.")] = None,
-    port: Annotated[int, typer.Option(help="Of this machine; 0 takes any that is free.")] = 8080,
+    step: Annotated[str | None, typer.Option(help="Step of a world, in seconds.")] = None,
+    port: Annotated[int, typer.Option(help="Port of this machine; 0 chooses a free one.")] = 8080,
 ) -> None:
     """Run a world in the browser, or write the page of a run that was saved."""
     from kickdrift.cli.view import view as do
@@ -139,18 +139,16 @@ def view(
     raise typer.Exit(do(target, step, port))
 
 
-@app.command(
-    "compile", help=help_texts.COMPILE, short_help="Compile everything that runs may need, once on this machine."
-)
+@app.command("compile", help=help_texts.COMPILE, short_help="Compile in advance the code that runs need.")
 def compile_(quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False) -> None:
-    """Compile everything that runs may need, once on this machine."""
+    """Compile in advance the code that runs need."""
     from kickdrift.cli.compiling import compile_all
 
     raise typer.Exit(compile_all(quiet))
 
 
 @app.command("list", help=help_texts.LIST, short_help="List the methods, the systems or the scenes.")
-def list_(what: Annotated[Catalogue, typer.Argument(help="Which catalogue.")]) -> None:
+def list_(what: Annotated[Catalogue, typer.Argument(help="The catalogue to list.")]) -> None:
     """List the methods, the systems or the scenes; lines are not truncated if the output is piped."""
     from kickdrift.cli import listing
 

@@ -39,11 +39,11 @@ KICKDRIFT = """Structure-preserving integration for mechanics.
 \b
   kickdrift run solar-system      a hundred years, compared with JPL's positions
   kickdrift run bodies.toml       bodies of your own
-  kickdrift run pyramid           a pyramid of boxes, with a plot and an animation
-  kickdrift view ragdolls         a world running live in the browser, where the mouse pulls at bodies
+  kickdrift run pyramid           a pyramid of boxes, with a plot and a page for the browser
+  kickdrift view ragdolls         a world live in the browser, where the mouse pulls bodies
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
-  kickdrift compile               everything that runs may need, once on this machine
+  kickdrift compile               compile in advance the code that runs need
 
 Exit codes: 0 success, 2 invalid input, 3 failed run, 130 interrupted.
 """
@@ -58,7 +58,7 @@ RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>
 The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at J2000 and up to
 ten years later. Ctrl-C ends a run early, and the states until then are written. With --checkpoint the same command resumes
 an interrupted run, even if the process was killed. With --save-to the states are written to disk during the run, where
-xarray reads them, and nothing else is written.
+xarray can read them, and the other files are not written.
 
 \b
   kickdrift run solar-system
@@ -70,7 +70,7 @@ xarray reads them, and nothing else is written.
   kickdrift run outer-solar-system --save-to planets.zarr --save-every 10
 
 Scenes are worlds of rigid bodies and cloth. With the extra viewer, a run of a scene also writes an interactive
-page for the browser, <scene>.html; with --film, an animation, <scene>.gif, in real time, or faster if it would take
+page for the browser, <scene>.html; with --film, an animation, <scene>.gif, in real time, or faster if it would last
 more than 20 s. Scenes take the options --duration, --step, --save-every, --output, --checkpoint, --save-to, --film and
 --quiet; times are in seconds.
 
@@ -91,7 +91,7 @@ VIEW = """Show a scene, a robot or a saved run in the browser (extra viewer).
 
 Scenes, robots (extra robots) and saved worlds run live on a page, in real time if steps are fast enough, with buttons to
 play, pause, step and reset, sliders for speed, substeps and the targets of joints, and a spring with which the mouse pulls
-at bodies. Only this machine can open the page; Ctrl-C ends it. For a saved run, FILE.npz, a page that plays without a server
+bodies. Only this machine can open the page; Ctrl-C ends it. For a saved run, FILE.npz, a page that plays without a server
 is written beside it, FILE.html.
 
 \b
@@ -112,9 +112,9 @@ in position at the end; plots the energy errors in <system>-energy.png.
   kickdrift compare solar-system --years 1 --step "0.01 day"
 """
 
-COMPILE = """Compile what worlds, pictures, systems and most methods need, once on this machine, on all cores.
+COMPILE = """Compile the code of worlds, pictures, systems and most methods in advance, on all cores.
 
-Existing compiled code is kept. Without this command, each run compiles what is not yet compiled.
+Existing compiled code is kept. Without this command, each run compiles the code that it lacks.
 
 \b
   kickdrift compile

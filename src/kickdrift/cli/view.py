@@ -49,13 +49,13 @@ def view(target: str, step: str | None, port: int) -> int:
         )
     if suffix != ".npz":
         if Path(target).exists():
-            raise ArgumentError(f"TARGET={target!r} is no file to view; give a .npz, .xml or .urdf.")
+            raise ArgumentError(f"TARGET={target!r} cannot be viewed; give a .npz, .xml or .urdf file.")
         raise unknown_name("TARGET", target, SCENES)
     if archive.format_of(target) == archive.WORLD:
         world = load_world(target)
         return _run(world, wanted or float(world.tables.array(SETTINGS)[0, STEP]) or _STEP, port)
     if step is not None:
-        raise ArgumentError(f"--step={step!r} is for worlds, and {target!r} is what was kept of a run; leave it out.")
+        raise ArgumentError(f"--step={step!r} applies to worlds, but {target!r} is a saved run; leave it out.")
     kept = load(target)
     if isinstance(kept, EnsembleSolution):
         raise ArgumentError(
@@ -68,7 +68,7 @@ def view(target: str, step: str | None, port: int) -> int:
 def _step(text: str) -> float:
     step = parse_time("--step", text, "s")
     if step <= 0.0:
-        raise ArgumentError(f"--step={text!r} must be positive: bodies that touch run forwards.")
+        raise ArgumentError(f"--step={text!r} must be positive: contacts cannot be integrated backwards in time.")
     return step
 
 

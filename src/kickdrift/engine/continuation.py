@@ -14,7 +14,7 @@ from kickdrift.engine.task import Journey, Task
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Continuation:
-    """What ``solution.continue_to`` asks: the task, where it stands, and whether that is its end."""
+    """The function behind ``solution.continue_to``: the task, its progress, and whether that is its end."""
 
     task: Task
     standing: Standing
@@ -50,7 +50,7 @@ class Continuation:
 
 
 def carry_out(journey: Journey) -> Solution:
-    """Run to the end, or as far as it goes, and return what was kept."""
+    """Run to the end, or as far as possible, and return the rows kept."""
     with closing(journey):
         solution = report(journey, journey.go(), Continuation)
         if journey.store is not None:

@@ -1,4 +1,4 @@
-"""What goes with what: controls of steps, methods, and systems."""
+"""Checks that step controls suit methods and systems."""
 
 import math
 from functools import partial
@@ -21,7 +21,7 @@ from kickdrift.systems.system import Quantity, System
 
 
 def check_method(wanted: StepControl, system: System, method: Method) -> None:
-    """Refuse a control that does not go with a method or a system.
+    """Refuse a control that does not suit a method or a system.
 
     Raises
     ------

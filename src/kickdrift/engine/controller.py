@@ -1,4 +1,4 @@
-"""A control of steps made ready for a system and a method: the function that it asks, checked, and its numbers in work."""
+"""A step control prepared for a system and a method: its checked function, and its numbers in work."""
 
 from __future__ import annotations
 
@@ -39,20 +39,20 @@ _NAMES = {"distance": by_distance, "acceleration": by_acceleration}
 
 @dataclass(frozen=True, eq=False)
 class Controller:
-    """What chooses the steps of a run.
+    """The control that chooses the steps of a run.
 
     Attributes
     ----------
     name, conserves : str
-        For people.
+        For display.
     spelled : callable
-        Makes a word one whose steps vary, see `kickdrift.engine.program.compose`.
+        Turns a word into one with variable steps, see `kickdrift.engine.program.compose`.
     params : array
-        What its function gets as params.
+        The params of its function.
     dear : int
         Force evaluations in one of the density.
     tolerances : array
-        Absolute ones, for x and v in turn; empty where errors do not matter.
+        Absolute ones, for x and then for v; empty if errors do not matter.
     between : Controller or None
         The controller of parts of steps, for states between them.
     takes_back : bool

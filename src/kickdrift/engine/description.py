@@ -36,7 +36,7 @@ class Description:
     choice : str
         Reason for the choice of ``"auto"``; empty if a method was named.
     step_control : str
-        How the steps were chosen, and what that conserves; empty for equal steps.
+        How the steps were chosen, and the quantities that this conserves; empty for equal steps.
     gm : tuple of float
         G times the masses of bodies that attract each other; for a body around a centre, that of the centre.
     """

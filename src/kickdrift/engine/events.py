@@ -1,7 +1,8 @@
 """Events: where functions of the state pass through zero along a run.
 
-After every chunk of steps its states are asked for. Where the sign of a function has changed between two of them, the step that
-lies between is done again, shorter, until it ends at the zero: as exact as the method is there. Impacts: see `surface_events`.
+After every chunk of steps the functions are evaluated at its states. Where the sign of a function has changed between two
+states, the step between them is repeated with smaller sizes until it ends at the zero, which is as accurate as the method.
+Impacts: see `surface_events`.
 """
 
 import math
@@ -34,7 +35,7 @@ from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
 
-_NUMBERS = 1 << 16  # of states that are kept until they are asked
+_NUMBERS = 1 << 16  # of states that are kept until functions are evaluated there
 # fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
 _MOST_ROWS = 1 << 14
 
@@ -46,7 +47,7 @@ def watch_for(
     end: float,
     surfaces: Surfaces | None = None,
 ) -> "Watch | None":
-    """Make what looks for events along a run, if there are any.
+    """Create the `Watch` for events along a run, if there are any.
 
     Raises
     ------
@@ -103,7 +104,7 @@ class Watch:
         self._beyond: float | None = None
 
     def seen(self, t: float, near: float, beyond: float | None) -> Seen:
-        """Return what was found up to a time, and what is `near` to it; no zero up to `beyond`, if given, will end the run."""
+        """Return the zeros found up to a time, and those `near` to it; no zero up to `beyond`, if given, will end the run."""
         sign = self._sign
         waiting = [
             (k, brackets.part(sign * (brackets.t + 0.5 * brackets.size) < sign * t))
@@ -115,7 +116,7 @@ class Watch:
         return Seen(zeros, tuple(waiting), self.evaluations - later, self._beyond if beyond is None else beyond)
 
     def go_on(self, seen: Seen, step: float, t: float, x: Floats, v: Floats) -> None:
-        """Go on from a time, from what was found up to there, and the state of the loop then, which is overwritten.
+        """Continue from a time, with the zeros found up to there and the state of the loop then, which is overwritten.
 
         The direction is that of `step`: the last one may have led beyond the end.
         """
@@ -170,7 +171,7 @@ class Watch:
             (self._due if self.events[event].terminal else self._waiting).append((event, brackets))
 
     def _search_due(self) -> None:
-        """Search for zeros that may end the run, up to the first that does: what it costs depends on no chunk."""
+        """Search for zeros that may end the run, up to the first that does: the cost does not depend on chunks."""
         sign, due, self._due = self._sign, joined_by_event(self._due), []
         while due:
             starts = []
@@ -212,7 +213,7 @@ class Watch:
         at_end = (found.last == 0.0) & (found.end == 1.0)
         self._note(event, found.part(~at_end))
         jumps = self._crosses(event, steps._replace(first=before, last=after))
-        jumps &= self._surfaces.located | (after != 0.0)  # else bodies are put back to what they had passed
+        jumps &= self._surfaces.located | (after != 0.0)  # otherwise bodies return to surfaces they had passed
         for k in np.flatnonzero(jumps | np.isin(steps.t, found.t[at_end])):
             self._zeros.append(Zero(float(at.t[k]), event, at.x_after[k], at.v_after[k]))
             if after[k] != 0.0:

@@ -238,7 +238,7 @@ def _as_before(function: Any, key: Hashable) -> Hashable:
 
 
 def _of_module(module: ModuleType, names: Names, around: tuple[Any, ...]) -> Hashable:
-    """Describe what a function may use of a module: every attribute whose name occurs in the function."""
+    """Describe the attributes of a module that a function may use: all whose names occur in the function."""
     if _is_library(module.__name__):
         return module.__name__
     used = {name: getattr(module, name) for name in sorted(names.all) if hasattr(module, name)}

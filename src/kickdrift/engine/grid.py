@@ -285,7 +285,7 @@ def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64
 def _steps_before(
     times: NDArray[np.float64], t0: float, h: float, n_steps: int
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Return the last step of the grid that is not after each time, and which times are on the grid but for rounding."""
+    """Return the last step of the grid that is not after each time, and which times are on the grid up to rounding."""
     positions = (times - t0) / h
     nearest = np.rint(positions)
     farthest = max(abs(t0), abs(t0 + n_steps * h))

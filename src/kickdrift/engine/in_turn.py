@@ -80,7 +80,7 @@ def _run(
 
 
 class Members:
-    """Members on their way, each where it stands.
+    """Members in progress, each at its own state.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ def evaluate(system: System, t: Floats, x: Floats, v: Floats) -> Floats:
     """Evaluate the multipliers lambda of a constrained system at each of T states.
 
     From g(x(t)) = 0, differentiated twice, with x'' = a - M^-1 G^T lambda and the tangent part of v, which is all of it
-    but for `shake`::
+    except for `shake`::
 
         G M^-1 G^T lambda = G a + (derivative of G v along v)
 
@@ -32,7 +32,7 @@ def evaluate(system: System, t: Floats, x: Floats, v: Floats) -> Floats:
 
 
 def constraint_acceleration(system: System, t: float, x: Floats, v: Floats) -> Floats:
-    """Return what the constraints add to the acceleration at one state, shape (n,)."""
+    """Return the acceleration by the constraints at one state, shape (n,)."""
     constraints, multipliers = Constraints(system), evaluate(system, np.array([t]), x[None], v[None])[0]
     added: Floats = -constraints.inverse_masses * (multipliers @ constraints.jacobian(x))
     return added

@@ -113,7 +113,7 @@ def energy_lost(system: System, t: Floats, x: Floats, v: Floats) -> str:
     """Return a sentence on an energy that is farther off at the end than it was large, kinetic and potential; or nothing.
 
     Forces that change with time, friction and noise do work: there it is not meaningful. A function that raises does so when
-    it is asked for, and not for this.
+    it is accessed, and not here.
     """
     conserved = Kind.HAMILTONIAN.includes(system.kind) or system.kind is Kind.CONSTRAINED
     times = 0.0

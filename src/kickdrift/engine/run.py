@@ -32,7 +32,7 @@ from kickdrift.engine.streaming import StreamedRows
 from kickdrift.engine.zeros import Zero
 
 Floats = NDArray[np.float64]
-Failure = tuple[Outcome, str]  # and what there is to say about its cause
+Failure = tuple[Outcome, str]  # and a sentence on its cause
 _NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 _NO_STEP = {
@@ -152,7 +152,7 @@ class Run:
     def go(self, bar: Bar, started: float, until: int = sys.maxsize) -> Failure | None:
         """Run to the end of the grid or up to a step, or as far as possible, and return what ended it earlier.
 
-        What was done is kept in any case. The bar shows how far the run is that was `started` then.
+        The states reached are kept in any case. The bar shows the progress of the run since `started`.
         """
         began, failure = time.perf_counter(), None
         try:
@@ -205,7 +205,7 @@ class Run:
         return None
 
     def _attempt(self, target: int) -> tuple[int, Mark, Failure | None]:
-        """Run from the checkpoint, and return the step reached, how far the rows are, and what went wrong, if anything did."""
+        """Run from the checkpoint, and return the step reached, the progress of the rows, and the failure, if there was one."""
         step, mark = self._checkpoint.step, self._checkpoint.mark
         try:
             if self._watch is None:
@@ -248,7 +248,7 @@ class Run:
         return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, {what}."
 
     def _find_last_good(self, bad: int) -> Failure | None:
-        """Find the last good state by halves: what is not finite stays so, and every rerun gives the same bits."""
+        """Find the last good state by bisection: states stay not finite once they are, and every rerun gives the same bits."""
         while bad - self._checkpoint.step > 1:
             middle = (self._checkpoint.step + bad) // 2
             self._state.restore(self._checkpoint.state)

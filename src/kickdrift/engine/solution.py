@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Presenters:
-    """What a solution can do in the layers above: the package hands it down when it is imported."""
+    """Functions of higher layers for solutions: the package passes them down when it is imported."""
 
     plot: Callable[..., Any]
     to_html: Callable[..., Path]
@@ -64,7 +64,7 @@ class Solution:
     wall_time : float
         Seconds in the loop, compilation not counted.
     about : Description
-        What was run.
+        Names and labels of the run.
     derived : mapping of str to array
         Other quantities derived from the states, by name, each evaluated on first access.
     error_estimate : array or None
@@ -243,8 +243,8 @@ class Solution:
             )
         if self.continuation is None:
             raise KickdriftError(
-                "this solution was read from a file or sent from another process, without its equations; solve with"
-                " checkpoint='folder' what is to be continued in another process."
+                "this solution was read from a file or sent from another process, without its equations; to continue a run in"
+                " another process, solve with checkpoint='folder'."
             )
         return self.continuation(t)
 
@@ -289,7 +289,7 @@ class Solution:
         return self.presenters.to_xarray(self)
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: the report, and a small picture."""
+        """Return the HTML that a notebook shows: the report, and a small picture."""
         return self.presenters.html(self)
 
     def __repr__(self) -> str:

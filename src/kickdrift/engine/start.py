@@ -1,4 +1,4 @@
-"""Where a run starts: x, v and params from what users give."""
+"""The start of a run: x, v and params from the arguments of users."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 The eigenvalues of the Jacobian at the start, and along a few steps of the linearly implicit Euler method, which goes
 through transients that decay in less than a step: Robertson's problem is not stiff at its start. Then along a few strides
 of a hundredth of the span: HIRES becomes stiff in some units of time, and without them is lost at steps of 0.02 to 0.16, with
-them of 0.02 to 0.05. Longer strides see stiffness where there is none, in Lorenz's equations.
+them of 0.02 to 0.05. Longer strides find stiffness where there is none, in Lorenz's equations.
 
 Of large states, where eigenvalues cost more than the run may, the largest one by power iteration, at the start.
 """
@@ -21,8 +21,8 @@ from kickdrift.systems.system import System
 Floats = NDArray[np.float64]
 Rates = Callable[[float, Floats], Floats]
 
-# |h lambda| that DOP853 bears: it is stable to 6.4 on the real axis and beyond 5 on the imaginary one, and what is seen here
-# may grow by half.
+# |h lambda| that DOP853 tolerates: it is stable to 6.4 on the real axis and beyond 5 on the imaginary one, and the values found
+# here may grow by half.
 _LIMIT = 4.0
 _FAST = 1.0  # h omega from which on the trigonometric methods are ahead of words of kicks and drifts
 _STEPS, _STRIDES, _STRIDE = 3, 3, 0.01  # the last one in terms of the span

@@ -42,7 +42,7 @@ class StreamedCourseTimes(StreamedTimes, CourseRows):
         self._processing, self._store, self._about, self._between = processing, store, about, cache(between)
 
     def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
-        """Return the states in memory, and what is in the store."""
+        """Return the states in memory, and the progress of the store."""
         return {**self._progress(), **super().kept(step, mark)}
 
     def go_on(self, kept: Mapping[str, NDArray[Any]], step: int, mark: Mark) -> Mark:

@@ -72,7 +72,7 @@ class StreamedTimes(StreamedRows):
         return self.grid.times if isinstance(self.grid, Grid) else np.zeros(0)
 
     def _progress(self) -> dict[str, NDArray[Any]]:
-        """Return the number of rows in the store, and what they took."""
+        """Return the number of rows in the store, and the force evaluations that they took."""
         return {"stored": np.array([self.stored]), "spent": np.array([self.evaluations])}
 
     def _resume(self, kept: Mapping[str, NDArray[Any]]) -> None:
@@ -104,7 +104,7 @@ class StreamedTimes(StreamedRows):
         self.stored += with_last and stop is None
 
     def _store_until(self, count: int, known: Known, end: float) -> None:
-        """Write rows until there are so many; where a function fails between two steps, they are NaN."""
+        """Write rows up to a number of them; where a function fails between two steps, they are NaN."""
         system, (low, high) = self._processing.system, sorted((self.grid.t0, end))
         dense = DenseOutput.of_rows(self.grid, States(system.x0, system.v0), known, end, self._between)
         while self.stored < count:
@@ -157,7 +157,7 @@ class StreamedGridTimes(StreamedTimes, GridRows):
         self.first, self.save_steps = first, self.grid.save_steps[first : first + 2 * self._store.chunk + 2]
 
     def kept(self, step: int, mark: Mark) -> dict[str, NDArray[Any]]:
-        """Return the states in memory, and what is in the store."""
+        """Return the states in memory, and the progress of the store."""
         rows = slice(mark.rows - self.first)
         return {**self._progress(), "xs": self.xs[rows], "vs": self.vs[rows]}
 

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 class StreamedRows(ABC):
-    """Rows that go to a store, a whole chunk at a time; `GridRows` or `CourseRows` are what they are on the way there.
+    """Rows that go to a store, a whole chunk at a time; in memory they are `GridRows` or `CourseRows`.
 
     Attributes
     ----------

@@ -1,8 +1,8 @@
 """Events of a run with impacts, where velocities jump, and gaps reach zero and grow again.
 
-A function is asked just before an impact, too. What it does up to there is a step like any other; from there to the state after
-the impact it jumps. Where something touches, a function that is zero but for the rounding of the state is zero: a gap that is
-closed is -1e-17 as often as 1e-17.
+A function is also evaluated just before an impact. Up to there it changes as in any other step; from there to the state after
+the impact it jumps. Where bodies touch, a function that is zero up to the rounding of the state counts as zero: a closed gap
+is -1e-17 as often as 1e-17.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ _MOMENTS = 1e-3  # of a size in a step: a velocity that is small beside it
 class Surfaces(NamedTuple):
     """The gaps of a run with impacts, the first `of_impacts` of a function's, and the size of x for roundings.
 
-    And whether impacts are located, in steps that are of one size but for those.
+    And whether impacts are located, in steps of equal sizes apart from these.
     """
 
     gaps: Quantity

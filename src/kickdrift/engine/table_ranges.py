@@ -14,7 +14,7 @@ from kickdrift.methods import Letter, Method
 from kickdrift.systems.spline import OUTSIDE, ranges_used
 from kickdrift.systems.system import Quantity, System
 
-# In steps: a density is asked half a step before the start, and steps by one lead beyond the end, which is asked as well.
+# In steps: a density is evaluated half a step before the start; steps by one lead beyond the end, where it is evaluated, too.
 _BEFORE, _BEYOND = 0.5, 1.5
 
 

@@ -43,8 +43,8 @@ class Entered:
 def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -> Entered:
     """Convert the arguments of `solve` to plain numbers.
 
-    Functions get numbers in the units of t_span and x0, with velocities in what follows. Systems that were made of quantities
-    keep the units that they have.
+    Functions get numbers in the units of t_span and x0, and velocities in the derived unit. Systems that were created from
+    quantities keep their units.
 
     Raises
     ------
@@ -96,8 +96,8 @@ def _velocity(v0: Any, unit: Any, needed: bool) -> Any:
 class UnitSolution(Solution):
     """A solution whose times and states are quantities.
 
-    `t`, `x`, `v`, the states of events, and ``solution(t)`` have units; everything else is as in `Solution`: what is conserved,
-    and `plain`, the same solution in numbers.
+    `t`, `x`, `v`, the states of events, and ``solution(t)`` have units; everything else is as in `Solution`: invariants, and
+    `plain`, the same solution in numbers.
     """
 
     _inside: Units

@@ -26,7 +26,7 @@ from kickdrift.systems.problem import name_of
 Floats = NDArray[np.float64]
 
 
-# Bits of functions that take any number of arguments, or return what has to be awaited or iterated over
+# Bits of functions that take any number of arguments, or are coroutines or generators
 _NOT_PLAIN = (
     inspect.CO_VARARGS
     | inspect.CO_VARKEYWORDS
@@ -37,7 +37,7 @@ _NOT_PLAIN = (
 
 
 def _plain_names(python: Any) -> list[str]:
-    """Return the names of arguments that a look at the code tells, 15 us sooner than a signature; none if it does not."""
+    """Return the names of arguments from the code object, 15 us faster than by a signature; none if it lacks them."""
     if (
         type(python) is not FunctionType
         or python.__defaults__

@@ -42,14 +42,14 @@ class Found(NamedTuple):
         return Found(*(array[which] for array in self))
 
     def of_members(self, count: int) -> list[tuple[Floats, Floats, Floats]]:
-        """Return the times and states of each of so many members."""
+        """Return the times and states of each of a number of members."""
         ends = np.searchsorted(self.member, np.arange(1, count))
         return list(zip(*(np.split(array, ends) for array in (self.t, self.x, self.v)), strict=True))
 
 
 @dataclass(frozen=True)
 class Watched:
-    """What members have left: rows, (M, T, *shape), NaN after their end, steps, evaluations, and which are `good`.
+    """Results of members: rows, (M, T, *shape), NaN after their end, steps, evaluations, and which are `good`.
 
     And which an event has `stopped`, and the zeros of each event, in the order of members and times.
     """
@@ -73,7 +73,7 @@ class WatchedMembers:
     events : sequence of Event
         Those with a bound of their rate only if none ends a run.
     numbers : sequence of (M, p) array
-        What each event gets as params, of each member.
+        The params of each event, for each member.
     grid : Grid
     x, v : (M, *shape) array
         The starts.

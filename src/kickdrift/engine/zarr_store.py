@@ -1,7 +1,7 @@
 """Rows in a Zarr group on disk, written during the run: arrays along time that xarray can read at any moment.
 
-Whole chunks are written, each once. What readers see is the consolidated metadata, which is replaced after the chunks that it
-tells of: all arrays have the same length at any time.
+Whole chunks are written, each once. Readers see the consolidated metadata, which is replaced after the chunks that it
+describes: all arrays have the same length at any time.
 """
 
 from collections.abc import Iterator, Mapping

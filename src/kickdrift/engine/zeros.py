@@ -10,7 +10,7 @@ from kickdrift.core.compilation import compiled
 
 Floats = NDArray[np.float64]
 
-# Of a step in which a function may pass through zero and back. One that stays near zero has 256 parts asked in each step.
+# Of a step in which a function may pass through zero and back. One that stays near zero is evaluated at 256 parts of each step.
 _HALVINGS = 8
 _ROUNDS = 100  # iterations of root finding, of which at least one in three halves the interval
 
@@ -100,7 +100,7 @@ def hidden(
     ----------
     steps : Brackets
     bound : float
-        Of the rate of the function: where it is farther from zero, nothing is asked.
+        Bound of the rate of the function: where it is farther from zero, it is not evaluated.
     value_at : callable
         ``value_at(which, parts, shares)`` returns values in parts of these of the `steps`, at fractions of the steps.
 

@@ -63,7 +63,7 @@ def load_mesh(path: str | Path) -> Mesh:
     if not isinstance(path, str | os.PathLike):
         raise ArgumentError(f"path={path!r} is not a path; give a string such as 'shirt.obj', or a pathlib.Path.")
     if not Path(path).is_file():
-        raise FileFormatError(f"path={str(path)!r} is no file; give that of a mesh.")
+        raise FileFormatError(f"path={str(path)!r} is not a file; give the path of a mesh.")
     try:
         mesh = trimesh.load_mesh(str(path), process=False)
     except Exception as error:  # each reader has its own
@@ -71,7 +71,7 @@ def load_mesh(path: str | Path) -> Mesh:
             f"path={str(path)!r} cannot be read as a mesh: {type(error).__name__}: {error}."
         ) from None
     if len(mesh.faces) == 0:
-        raise FileFormatError(f"path={str(path)!r} has no triangles; give a file with some.")
+        raise FileFormatError(f"path={str(path)!r} has no triangles; give a file that has some.")
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     mesh.remove_unreferenced_vertices()
     return Mesh(np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64))
@@ -81,7 +81,7 @@ def save_meshes(recording: Recording, folder: str | Path, which: str | int, form
     """Write what is drawn of a cloth in each row of a recording to a file of its own; see `Recording.save_meshes`."""
     trimesh = _trimesh("Recording.save_meshes")
     if form not in FORMS:
-        raise ArgumentError(f"form={form!r} has to be one of {', '.join(map(repr, FORMS))}.")
+        raise ArgumentError(f"form={form!r} must be one of {', '.join(map(repr, FORMS))}.")
     cloth = recording.drawn_cloth(which)
     target, name = Path(folder), cloth.name or cloth.kind.replace(" ", "-")
     try:

@@ -77,9 +77,7 @@ def check_axes(ax: Any) -> None:
     from matplotlib.axes import Axes
 
     if not isinstance(ax, Axes):
-        raise ArgumentError(
-            f"ax={ax!r} is no Axes of matplotlib; give one, such as that of figure, ax = plt.subplots()."
-        )
+        raise ArgumentError(f"ax={ax!r} is not a matplotlib Axes; give one, as in figure, ax = plt.subplots().")
 
 
 def dress(axes: "Axes", x: str, y: str, title: str = "") -> None:

@@ -120,7 +120,7 @@ def solve_ensemble(
         A folder, such as ``"sweep.zarr"``, to which the rows are written instead of memory: a Zarr group of chunks of
         members, with the energy and other invariants, which ``xarray.open_zarr`` can read at any moment, NaN where a member
         is not finished. Each chunk is written by the process that computes it, so that workers on other machines must share
-        the folder. The solution reads only what it is asked for. The same call computes the members that are missing.
+        the folder. The solution reads only the parts that are accessed. The same call computes the missing members.
     checkpoint : path, optional
         A folder for checkpoints of the finished members. The same call, in any process, continues with the others, with the
         bits of an uninterrupted run.

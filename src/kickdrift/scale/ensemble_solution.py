@@ -20,7 +20,7 @@ EVENTS = "t_events", "x_events", "v_events"
 
 @dataclass(frozen=True)
 class EnsemblePresenters:
-    """What the solution of an ensemble can do in the layers above: the package hands it down when it is imported."""
+    """Functions of higher layers for ensemble solutions: the package passes them down when it is imported."""
 
     save: Callable[..., Path]
     keep: Callable[..., None]
@@ -37,9 +37,8 @@ class EnsembleSolution:
     t : (T,) array
         Times kept.
     x, v : (M, T, *shape) array
-        Positions and velocities, NaN after the last good row of a failed member, and after a
-        terminal event. For rows on disk they, and the invariants,
-        are arrays on disk: ``x[3]`` reads a member, ``x[:]`` all.
+        Positions and velocities, NaN after the last good row of a failed member, and after a terminal event. For rows on disk
+        they, and the invariants, are arrays on disk: ``x[3]`` reads a member, ``x[:]`` all.
     invariants : mapping of str to array
         Conserved quantities at those times, (M, T) or (M, T, size), each evaluated on first access.
     status : tuple of Outcome
@@ -55,11 +54,11 @@ class EnsembleSolution:
     wall_time : float
         Total seconds for all members, compilation not counted.
     about : Description
-        What was run.
+        The run.
     parameters : mapping of str to array
-        What distinguishes the members, (M,) or (M, p): swept parameters, steps, seeds.
+        Parameters that distinguish the members, (M,) or (M, p): swept parameters, steps, seeds.
     saved_to : str
-        Where the rows are, if not in memory.
+        Folder with the rows, if they are not in memory.
     t_events, x_events, v_events : tuple of tuple of array
         Of each member, for each event, the times of its zeros, (K,), and the states there, (K, *shape); empty without events.
 

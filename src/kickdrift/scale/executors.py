@@ -33,8 +33,8 @@ def run_on(
 ) -> None:
     """Run members as tasks of an executor, which write to the store, if there is one, and report the steps done.
 
-    What a worker leaves undone that dies, and the executor does not repeat, is done here. A KeyboardInterrupt keeps the chunks
-    that are done.
+    Chunks of a worker that dies, unless the executor repeats them, are done in this process. A KeyboardInterrupt keeps the
+    finished chunks.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def _check(executor: Any) -> None:
     own, found, why = pydoc.locate(_VERSION), None, ""
     try:
         asked: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        executor.submit(pydoc.locate, _VERSION).add_done_callback(asked.put)  # which every Python can be asked
+        executor.submit(pydoc.locate, _VERSION).add_done_callback(asked.put)  # which is available in every Python
         found = _next(asked, executor).result()
     except NoWorkerError as error:
         raise ArgumentError(str(error)) from None
@@ -156,7 +156,7 @@ def workers_of(executor: Any) -> int:
 
 
 def _next(done: "queue.SimpleQueue[T]", executor: Any) -> T:
-    """Return what is done next.
+    """Return the chunks that are done next.
 
     Raises
     ------

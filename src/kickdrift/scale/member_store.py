@@ -32,13 +32,13 @@ _OF_MEMBERS = {
 class MemberStore(ZarrGroup):
     """A group of arrays along members and time, created at full size, with NaN for members that are not done.
 
-    A chunk of members is done when its ``status`` is there, which is written last. What a worker has written that died before
-    that is not written again: the bits are the same.
+    A chunk of members is done when its ``status`` exists, which is written last. The parts that a worker wrote before it died
+    are not written again: the bits are the same.
 
     Attributes
     ----------
     members_of_chunk : int
-        Known once the group is made or opened.
+        Known once the group is created or opened.
     """
 
     members_of_chunk = 0
@@ -47,12 +47,12 @@ class MemberStore(ZarrGroup):
         return MemberStore, (self.path.absolute(), self._run)
 
     def begin(self, prepared: Prepared, about: Description, size: int, results: Results) -> None:
-        """Make the group, for chunks of so many members; or open it, and take over what is known of members that are done.
+        """Create the group, for chunks of a number of members; or open it, and take over the outcomes of finished members.
 
         Raises
         ------
         ArgumentError
-            If the path cannot be, or holds something else.
+            If the path is invalid, or holds something else.
         FileFormatError
             If it cannot be written.
         """
@@ -60,7 +60,7 @@ class MemberStore(ZarrGroup):
         if there:
             try:
                 self.open()
-            except FileFormatError:  # its process was killed while it was made
+            except FileFormatError:  # its process was killed while creating it
                 there = False
         if there:
             self._take_over(prepared, results)
@@ -90,7 +90,7 @@ class MemberStore(ZarrGroup):
         return StoredArray(self._group[_key(name)])
 
     def put(self, first: int, prepared: Prepared, results: Results) -> Results:
-        """Write the members of a chunk from the `first` on; return what is known of them beside their rows.
+        """Write the members of a chunk from the `first` on; return their outcomes, without rows.
 
         Raises
         ------
@@ -207,7 +207,7 @@ class MemberStore(ZarrGroup):
 
 
 def arrays_of(path: Path) -> Callable[[str], Any]:
-    """Return what reads the arrays of a group by their names.
+    """Return a function that reads the arrays of a group by their names.
 
     Raises
     ------

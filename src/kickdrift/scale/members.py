@@ -23,12 +23,12 @@ _OURS = ("args", "step", "seed", "member", "time", "status")
 
 @dataclass(frozen=True)
 class Members:
-    """What the members of an ensemble have: of each array as many as there are members, or one that goes for all.
+    """The members of an ensemble: arrays with one value for each member, or one for all.
 
     Attributes
     ----------
     problem : System, Problem or callable
-        Or what makes one of `made`.
+        Or a function that creates one from `made`.
     count : int
     steps : array or None
     x0, v0 : array or None
@@ -38,7 +38,7 @@ class Members:
     made : sequence of dict, optional
         The arguments from which `problem` makes the system of each member.
     parameters : mapping of str to array
-        What tells the members apart, for display: (M,) or (M, p).
+        Parameters that distinguish the members, for display: (M,) or (M, p).
     """
 
     problem: Any
@@ -155,7 +155,7 @@ def _count(given: Mapping[str, Any]) -> int:
 def _starts(shape: tuple[int, ...] | None, x0: ArrayLike | None, v0: ArrayLike | None) -> tuple[Any, Any]:
     """Return starts with members along the first axis."""
     x, v = (None if value is None else _numbers(name, value) for name, value in (("x0", x0), ("v0", v0)))
-    if shape is not None:  # of the states of a system: one of its shape goes for all members
+    if shape is not None:  # of the states of a system: a single one of its shape applies to all members
         return tuple(None if array is None else array[None] if array.shape == shape else array for array in (x, v))  # type: ignore[return-value]
     if x is None:
         raise ArgumentError("x0 is missing; a function needs x0 and v0 to start from, members along the first axis.")

@@ -80,7 +80,7 @@ class Prepared:
     t : (T,) array
         Times of the rows.
     controller : Controller or None
-        What chooses the steps of the first member, where they vary.
+        The control of the steps of the first member, if they vary.
     driven : System
         That of the first member, with the functions of the controller.
     events : tuple of Event
@@ -98,7 +98,7 @@ class Prepared:
     events: tuple[Event, ...] = ()
 
     def room(self, to_disk: bool = False) -> Results:
-        """Make room for what the members will leave, but for the rows where these go to disk.
+        """Allocate the results of the members, without the rows if these go to disk.
 
         Raises
         ------

@@ -14,9 +14,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(eq=False)
 class Results:
-    """What the members have left: of each its rows, (M, T, *shape), how many are filled, how it ended, and what it took.
+    """Results of the members: rows, (M, T, *shape), the number filled, outcomes, and costs.
 
-    And the zeros of events. Of members that are `done` nothing changes any more.
+    And the zeros of events. Results of members that are `done` do not change any more.
     """
 
     x: Floats
@@ -36,7 +36,7 @@ class Results:
     def empty(
         cls, count: int, times: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...], events: int = 0
     ) -> "Results":
-        """Allocate the results of members, none of which has begun."""
+        """Allocate the results of members before they begin."""
         return cls(
             np.empty((count, times, *shape)),
             np.empty((count, times, *shape_of_v)),
@@ -65,7 +65,7 @@ class Results:
         rows: int,
         evaluations: NDArray[np.int64],
     ) -> None:
-        """Note of members that they have done so many steps, and filled so many rows; all, if their steps vary."""
+        """Note the steps that members have done, and the rows that they have filled; all rows, if their steps vary."""
         self.rows[indices], self.evaluations[indices] = rows, evaluations
         self.step[indices], self.n_steps[indices] = grid.step, steps
         self.step_range[indices] = abs(grid.step)

@@ -42,7 +42,7 @@ _VECTOR = 8  # members in a register
 
 
 class Runs:
-    """The runs of members, and what they have left so far.
+    """The runs of members, and their results so far.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Runs:
     def go(self, tell: Callable[[int], None]) -> None:
         """Do all runs on threads, and tell how many steps of members are done now and then.
 
-        A KeyboardInterrupt ends them; what was done is kept.
+        A KeyboardInterrupt ends them; finished members are kept.
         """
         with ThreadPoolExecutor(self._threads) as pool:
             try:
@@ -108,14 +108,14 @@ class Runs:
             self._done += steps
 
     def _split(self, run: Callable[..., None], cohort: Cohort, size: int, *given: Any) -> Iterator[Task]:
-        """Cut a cohort into tasks, of so many members at most, and as many for each thread."""
+        """Divide a cohort into tasks of a limited number of members, equally many for each thread."""
         tasks = -(-cohort.indices.size // (size * self._threads)) * self._threads
         size = min(size, _rounded_up(-(-cohort.indices.size // tasks)))
         for first in range(0, cohort.indices.size, size):
             yield partial(run, Cohort(cohort.indices[first : first + size], cohort.grid), *given)
 
     def _begin(self, cohort: Cohort) -> None:
-        """Run the first member alone, which compiles what all need, and make tasks of the others by the time that it took."""
+        """Run the first member alone, which compiles all code, and divide the others into tasks by the time that it took."""
         first, alone = cohort.indices[0], 1
         seconds = self._run_alone(int(first), cohort)
         if self._prepared.events and cohort.indices.size > 1:  # looking for which has compiled functions meanwhile
@@ -139,7 +139,7 @@ class Runs:
             self._run_alone(int(i), cohort)
 
     def _lanes(self, grid: Grid | Course) -> tuple[Lanes, Numbers] | None:
-        """Return what runs members in lanes, and their numbers; None where they have to run alone."""
+        """Return the lanes for the members, and their numbers; None if members have to run alone."""
         prepared = self._prepared
         program = kernel_alone(prepared.system, prepared.chosen.method)
         compensated = prepared.settings.compensated
@@ -185,7 +185,7 @@ class Runs:
             self._run_alone(int(i), cohort, step)
 
     def _run_alone(self, i: int, cohort: Cohort, counted: int = 0) -> float:
-        """Run a member by `kickdrift.solve`, of whose steps so many are counted already; return the seconds in its loop."""
+        """Run a member by `kickdrift.solve`, some of whose steps are counted already; return the seconds in its loop."""
         if self._stop.is_set():
             return 0.0
         prepared, results, reached = self._prepared, self.results, counted

@@ -105,7 +105,7 @@ class StoredArray:
 
 
 def _forwards(place: Any) -> Any:
-    """Return what a slice backwards names, in the order on disk."""
+    """Return the elements of a backward slice, in the order on disk."""
     if not isinstance(place, slice) or place.step > 0:
         return place
     named = range(place.start, place.stop, place.step)

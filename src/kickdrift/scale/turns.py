@@ -28,7 +28,7 @@ def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
     if any(event.rate_bound is not None for event in prepared.events) and any(
         event.terminal for event in prepared.events
     ):
-        return None  # what is asked between steps, and counted, depends on where the run ends
+        return None  # evaluations between steps, and their number, depend on the end of the run
     if isinstance(grid, Course):
         if prepared.events:
             return None
@@ -40,7 +40,7 @@ def numbers_in_turn(prepared: Prepared, grid: Grid | Course) -> Numbers | None:
 
 
 def run_in_turn(prepared: Prepared, cohort: Cohort, numbers: Numbers, most: int, results: Results) -> NDArray[np.bool_]:
-    """Run members, if their steps vary for so many at most, and return who reached the end."""
+    """Run members, for a limited number of steps if these vary, and return which of them reached the end."""
     grid, indices = cohort.grid, cohort.indices
     if isinstance(grid, Course):
         return _run_courses(prepared, grid, indices, numbers, most, results)
@@ -107,13 +107,13 @@ def _watched(
 
 
 def numbers_of_events(prepared: Prepared, indices: NDArray[np.intp]) -> list[Floats]:
-    """Return what each event gets as params, of some members: numbers of users, and of the functions themselves."""
+    """Return the params of each event for some members: numbers of users, and of the functions themselves."""
     params = [event.quantity.params for event in prepared.events]
     return [prepared.with_args(prepared.system.params if own is None else own, indices) for own in params]
 
 
 def _numbers_of_control(prepared: Prepared, params: Floats, indices: NDArray[np.intp]) -> Floats:
-    """Return what the control of steps has as params, of each member: its tolerances, or what a density gets."""
+    """Return the params of step control for each member: its tolerances, or the params of its density."""
     controller = prepared.controller
     assert controller is not None
     if isinstance(prepared.settings.steering.control, LocalError):

@@ -1,4 +1,4 @@
-"""Zeros of events of the members of an ensemble: of each member so many, laid out in flat arrays where they are stored."""
+"""Zeros of events of the members of an ensemble, any number for each, stored in flat arrays."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -65,7 +65,7 @@ def spelled(own: Zeros) -> str:
 
 
 def read(text: str, shape: tuple[int, ...], shape_of_v: tuple[int, ...]) -> Zeros:
-    """Read what `spelled` wrote."""
+    """Read the arrays that `spelled` wrote."""
     given, parts = json.loads(text), []
     for name, own in (("t", ()), ("x", shape), ("v", shape_of_v)):
         parts.append(tuple(np.array(values, dtype=float).reshape(len(values), *own) for values in given[name]))

@@ -78,7 +78,7 @@ def check_can_be_seen(appearance: Appearance, what: str) -> None:
     KickdriftError
     """
     if not any(parts_of(appearance)) and not appearance.cloths:
-        raise KickdriftError(f"{what} has no shapes, and so there is nothing to be seen; add bodies with shapes.")
+        raise KickdriftError(f"{what} has no shapes, and so there is nothing to show; add bodies with shapes.")
 
 
 def extent(appearance: Appearance, x: Floats, particles: Floats) -> tuple[Floats, float]:

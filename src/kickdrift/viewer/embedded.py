@@ -46,7 +46,7 @@ def show(solution: Solution, height: int = 480) -> Embedded:
         As for `Solution.to_html`.
     """
     if isinstance(height, bool) or not (isinstance(height, int) and 0 < height < 100_000):
-        raise ArgumentError(f"height={height!r} has to be a whole number of pixels, from 1 to 99999; 480 is usual.")
+        raise ArgumentError(f"height={height!r} must be a whole number of pixels, from 1 to 99999; 480 is usual.")
     with TemporaryDirectory() as folder:
         written = solution.to_html(Path(folder) / "page.html")
         return Embedded(written.read_text(encoding="utf-8"), int(height))

@@ -57,7 +57,7 @@ def view_world(
     ArgumentError
         For a step that is not positive and finite, a control that cannot be called, and a port that is taken.
     KickdriftError
-        If there is nothing to be seen.
+        If there is nothing to show.
     MissingExtraError
         If viser is not installed.
     """
@@ -65,7 +65,7 @@ def view_world(
     check_can_be_seen(appearance(world), "the world")
     if not (control is None or callable(control)):
         raise ArgumentError(
-            f"control={control!r} has to be a function without arguments, which is called before each step."
+            f"control={control!r} must be a function without arguments, which is called before each step."
         )
     page = LivePage(world, step, control, port)
     print(f"open {page.url}", flush=True)

@@ -53,8 +53,8 @@ def check_in_memory(solution: Solution) -> None:
     """
     if solution.saved_to:
         raise KickdriftError(
-            f"the states are in {solution.saved_to!r}, and here are the first and the last of them; run without save_to, or"
-            " with a larger save_every, to see them."
+            f"the states are on disk, in {solution.saved_to!r}, and the solution has only the first and the last; run without"
+            " save_to, or with a larger save_every, to show them."
         )
 
 

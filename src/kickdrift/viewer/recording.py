@@ -39,7 +39,7 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
     Raises
     ------
     KickdriftError
-        If there is nothing to be seen, or the states are on disk.
+        If there is nothing to show, or the states are on disk.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

@@ -114,7 +114,7 @@ def _guard(process_request: Callable[..., Any]) -> Callable[..., Any]:
 
 def _check_free(port: int) -> None:
     if isinstance(port, bool) or not (isinstance(port, int | np.integer) and 0 <= port < 1 << 16):
-        raise ArgumentError(f"port={port!r} has to be a whole number from 0 to 65535; 0 takes any that is free.")
+        raise ArgumentError(f"port={port!r} must be a whole number from 0 to 65535; 0 chooses a free one.")
     with socket.socket() as probe:
         if sys.platform != "win32":  # where it would bind to one that is taken, instead of one left a moment ago
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -124,13 +124,13 @@ def _check_free(port: int) -> None:
             if error.errno == errno.EADDRINUSE:
                 raise _taken(port) from None
             raise ArgumentError(
-                f"port={port!r} cannot be used: {error.strerror}; give another one, or 0 for any that is free."
+                f"port={port!r} cannot be used: {error.strerror}; give another one, or 0 for a free one."
             ) from None
 
 
 def _taken(port: int) -> ArgumentError:
     return ArgumentError(
-        f"port={port!r} is taken, by another page or another program; close that, or give another port, 0 for any that is free."
+        f"port={port!r} is in use by another page or program; close it, or give another port, or 0 for a free one."
     )
 
 

@@ -89,7 +89,7 @@ _AROUND = (
     "During:",
     "File ",
     "Raised from",
-)  # lines of Numba's messages that say where, not what is wrong
+)  # lines of Numba's messages that give the place of an error, not its cause
 
 _TEMPLATE = """
 def stage(t, h, world):

@@ -37,8 +37,8 @@ INERTIA = Table(4, 16)
 LOAD = Table(5, 8)  # forces that users apply during the next step
 RESTED = Table(36, 12)  # see `kickdrift.world.sleeping`
 FORCE = Table(35, 8)  # in this substep
-KICKED = Table(6, 24)  # what `kickdrift.world.integration` carries from kick to drift
-NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver, to go back to
+KICKED = Table(6, 24)  # data that `kickdrift.world.integration` carries from kick to drift
+NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver, for restoring it
 BODY = Table(7, 12, whole=True)
 # Shapes
 SHAPE = Table(8, 8, whole=True)
@@ -66,7 +66,7 @@ COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair o
 # Trees of joints: see `kickdrift.world.joints.layout`
 ARTICULATION = Table(26, 8, whole=True)
 LINK = Table(46, 10, whole=True)  # a body of an articulation and its joint to the parent, parents first
-LINK_NUMBERS = Table(47, 232)  # no step reads what another has left there
+LINK_NUMBERS = Table(47, 232)  # no step reads the data of another there
 GRAPH = Table(51, 4, whole=True)  # one row
 # The direct solver: see `kickdrift.world.direct.layout`
 CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly
@@ -152,7 +152,7 @@ def room(world: int, table: Table) -> int:
 
 @compiled(inline=True)
 def set_rows(world: int, table: Table, count: int) -> None:
-    """Set the number of rows in use, at most as many as there is room for."""
+    """Set the number of rows in use, at most the number allocated."""
     put_word(world, 3 * table[0] + _ROWS, count)
 
 
@@ -244,7 +244,7 @@ class Tables:
         return self._room(table)[:count]
 
     def reserve(self, table: Table, count: int) -> None:
-        """Make room for so many rows, keeping what is there."""
+        """Make room for a number of rows, keeping the existing ones."""
         place = 3 * table.place
         old = self._room(table)
         if count <= len(old):
@@ -290,7 +290,7 @@ def _aligned(count: int, width: int, dtype: Any) -> NDArray[Any]:
 
 
 def _huge_pages(size: int, advice: int) -> mmap.mmap:
-    """Return zeroed memory of so many bytes, which lives for as long as the arrays in it."""
+    """Return zeroed memory of a number of bytes, which lives for as long as the arrays in it."""
     pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
     with suppress(OSError):  # on systems without huge pages
         pages.madvise(advice)

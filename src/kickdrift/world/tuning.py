@@ -74,7 +74,7 @@ class Tunable:
 
     @property
     def residual(self) -> float:
-        """What the solver left unsolved in the last step, m/s.
+        """The velocity that the solver left unsolved in the last step, m/s.
 
         The largest speed, along the normal, of points that press on each other, including those of islands with joints: zero
         if every impulse is exact; otherwise the speed at which a loaded stack sinks or jitters. More substeps make it

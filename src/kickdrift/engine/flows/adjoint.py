@@ -1,6 +1,6 @@
 """The adjoint kick and drift: the rate is evaluated at the end of the flow, which is an implicit equation.
 
-They are what is left of the implicit half of a method when the other half is explicit (Hairer, Lubich, Wanner,
+They are the implicit halves of a method whose other half is explicit (Hairer, Lubich, Wanner,
 Geometric Numerical Integration, 2nd ed., section VI.3). Templates, see `kickdrift.engine.flows.implicit`.
 """
 

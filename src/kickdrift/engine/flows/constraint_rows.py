@@ -1,4 +1,4 @@
-"""The Jacobian of constraints in memory, and what the flows compute of it.
+"""The Jacobian of constraints in memory, and the quantities that flows compute from it.
 
 Layout of params: those of the system's functions, the number m of constraints, a length that differences are measured
 by, the inverse masses (n).
@@ -9,9 +9,9 @@ Layout of memory::
     1     Jacobian where the next drift starts (m n)
           inverse lengths of its rows (m), sums of their sizes (m), their order, those with a multiplier first (m)
           S, with rows of the identity for those without, factored (m m), pivots (m)
-          left over (m), multipliers (m), increment (n), its total (n), state reached (n)
+          residual (m), multipliers (m), increment (n), its total (n), state reached (n)
           another Jacobian (m n), S of all rows (m m), room for differences (m)
-          for a few numbers, the response: the increment to each number left over (n m)
+          for a few numbers, the response: the increment for each residual (n m)
 """
 
 import numpy as np
@@ -193,7 +193,7 @@ def push(rows: Floats, inverse: Floats, order: Floats, multipliers: Floats, para
 
 
 def farthest(left: Floats, sums: Floats) -> float:
-    """Largest change of the state that the residual asks for; NaN if the residual contains one."""
+    """Return the largest change of the state that the residual requires; NaN if the residual contains one."""
     greatest = 0.0
     for i in range(left.size):
         size = abs(left[i]) / sums[i]

@@ -4,13 +4,13 @@ Positions x after a drift go back to g(x) = 0 along M^-1 G^T, with the Jacobian 
 constraint force there, so that the step stays symplectic and, with its mirror image, symmetric. Velocities go to
 G v = 0 with G where they are. (Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., section VII.1.)
 
-Both solve for multipliers mu by increments -S^-1 r of what is left over, r = g(x + M^-1 G^T mu) or G (v + M^-1 G^T mu),
-until the increments stop shrinking, or are no larger than the rounding of the unknowns: a looser end would make the energy
-drift. S is G M^-1 G^T for rows of G scaled to unit length. Where positions contract slowly, it is formed again with the
-Jacobian of the positions reached on its left: Newton's iteration. Rows within 1e-6 of the span of others get no multiplier:
-redundant constraints are fulfilled with the others, and if they are not, the step fails. (Damping S by 1e-12 instead lets what
-redundant constraints disagree about on the way leak into the tangent space, up to 1e-5 in a second of a pendulum.) For a few
-numbers the product of all these matrices is formed once, and an iteration is a product with what is left over.
+Both solve for multipliers mu by increments -S^-1 r with the residual r = g(x + M^-1 G^T mu) or G (v + M^-1 G^T mu), until the
+increments stop shrinking, or are no larger than the rounding of the unknowns: a looser criterion would make the energy drift.
+S is G M^-1 G^T for rows of G scaled to unit length. Where positions contract slowly, it is formed again with the Jacobian of
+the positions reached on its left: Newton's iteration. Rows within 1e-6 of the span of others get no multiplier: redundant
+constraints are satisfied with the others, and if they are not, the step fails. (Damping S by 1e-12 instead lets the
+disagreement of redundant constraints during the iteration leak into the tangent space, up to 1e-5 in a second of a pendulum.)
+For a few numbers the product of all these matrices is formed once, and an iteration is its product with the residual.
 
 Templates, see `kickdrift.engine.flows.kick_drift`; the layout of their memory is in `constraint_rows`.
 """

@@ -7,7 +7,7 @@ copy, too, which moves with the first part; the copies are not bound in it.
 
 Templates, see `kickdrift.engine.flows.kick_drift`.
 
-Memory is laid out as work is, for the sums: X, what the sums for X and those for Y have rounded off, and Y (n each).
+Memory is laid out like work, for the sums: X, the rounding errors of the sums for X and for Y, and Y (n each).
 """
 
 import math

@@ -1,19 +1,20 @@
 """Close encounters of planets: a Wisdom-Holman step where that is accurate, otherwise smaller steps or direct integration.
 
 A template, see `kickdrift.engine.flows.kick_drift`. The step is a word of Kepler flows and kicks in Jacobi coordinates, see
-`jacobi_step`, if by what is seen at its start and at its end alike
+`jacobi_step`, if the following holds for the states at its start and at its end:
 
-- no two bodies come further from one kick to the next, relative to each other, than a share of their distance, so that none
-  pass each other unseen, and none are so close that they would fall to each other within the step,
-- their orbits come in the same order by size,
-- the energy is the same up to a share of what binds the bodies to body 0, shared out among the parts.
+- from one kick to the next, no two bodies move relative to each other by more than a fraction of their distance, so that none
+  pass each other unnoticed, and none are so close that they would fall onto each other within the step;
+- the order of their orbits by size is the same;
+- the energy is the same up to a fraction of the energies that bind the bodies to body 0, divided among the parts.
 
-Otherwise it is rejected, and done in three parts, or in nine, which are asked the same; or else all bodies are integrated to
-an error far below that, see `nystrom`. What is asked of the start and of the end is the same, and so a step back asks the same
-as the step forth: the switch is symmetric, as in [1]_ and [2]_, but for steps whose two results lie on both sides of a limit.
+Otherwise the step is rejected, and done in three parts, or in nine, which have to meet the same criteria; or else all bodies
+are integrated with a far smaller error, see `nystrom`. The criteria are the same for the start and the end, and so a step
+back meets the criteria that the step forth meets: the switch is symmetric, as in [1]_ and [2]_, except for steps whose two
+results lie on both sides of a limit.
 
-The coefficients are the inverse of the first share, the second, the tolerance of the integration, and the word. What is in
-memory matters within a step alone: n numbers each for the functions below, and the room of the integration.
+The coefficients are the inverse of the first fraction, the second one, the tolerance of the integration, and the word. Memory
+is used within a step only: n numbers each for the functions below, and the room of the integration.
 
 References
 ----------
@@ -64,7 +65,7 @@ def constants(coefficients: Floats, n: int, params: Floats, general: bool) -> di
 
 
 def encounters(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x and v by h; where bodies touch, they merge, and the step continues with one less."""
+    """Advance x and v by h; bodies that touch merge, and the step continues with one body less."""
     n, left, other = x.size, h, 0
     bodies = part(memory(work), 0, VECTORS * n)
     while other >= 0:

@@ -1,13 +1,13 @@
 """Step control by the error of each step, from the estimate of a tableau, or from step doubling.
 
 Templates, the letters of a trial: `begin_trial`, the step, `judge_embedded`; or `begin_trial`, the step, `end_coarse`, the step
-in halves, which is what is kept, and `judge`. Errors are measured as in Hairer, Norsett, Wanner, Solving Ordinary Differential
+in halves, whose result is kept, and `judge`. Errors are measured as in Hairer, Norsett, Wanner, Solving Ordinary Differential
 Equations I, 2nd ed. (1993), eq. (II.4.11), those of tableaux as in eq. (II.10.17); step doubling: section II.4, eq. (4.4). The
 controller is proportional and integral: Gustafsson, ACM Trans. Math. Softw. 17, 533 (1991).
 
-Memory of control: state at the start of the trial (2 n), what its sums have rounded off (2 n), state after the whole step
+Memory of control: state at the start of the trial (2 n), rounding errors of its sums (2 n), state after the whole step
 (2 n), absolute tolerances (2 n). The params of control: relative tolerance, order, size of the first step wanted or zero, and
-clock of the start of the trial, with what it rounded off.
+clock at the start of the trial, with its rounding error.
 """
 
 import math

@@ -6,8 +6,8 @@ zero (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed
 
 Templates, see `kickdrift.engine.flows.implicit`. The coefficient is the number of rows.
 
-Memory, after that of the solver: whether it solves for v (1), the state at the start and what its sums had rounded off
-(4 n), and what each row adds to x and v (2 n each).
+Memory, after that of the solver: whether it solves for v (1), the state at the start and the rounding errors of its sums
+(4 n), and the changes of x and v by each row (2 n each).
 """
 
 from collections.abc import Callable

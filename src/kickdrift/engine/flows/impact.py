@@ -2,10 +2,10 @@
 
 Templates. Newton's law of restitution and Coulomb's of friction,
 
-    v += M^-1 J^T p,   p = -(1 + e) J v / (J M^-1 J^T),   of what is tangential at most mu p,
+    v += M^-1 J^T p,   p = -(1 + e) J v / (J M^-1 J^T),   with a tangential impulse of at most mu p,
 
-where J is the gradient of the gap. A rebound whose flight would be shorter than a thousandth of a step is none: the body rests,
-see `resting`.
+where J is the gradient of the gap. A rebound whose flight would be shorter than a thousandth of a step does not happen: the
+body rests, see `resting`.
 """
 
 import math
@@ -158,7 +158,7 @@ def cross_switch(row: int, t: float, x: Floats, v: Floats, params: Floats, work:
     """Move a state at a switch to its other side, by the shortest time that floats resolve.
 
     The step before has seen one law to its end, and the next one sees the other from its start. A state that the motion does
-    not bring there stays as it is: the switch itself moves on, as one of the time alone does.
+    not bring there is not changed: the switch itself moves on, as one that depends on time alone does.
     """
     n, side, now = x.size, row_of(SIDE, work), row_of(NOW, work)
     rate, a = place(n, work), room_of_accelerations(n, work)

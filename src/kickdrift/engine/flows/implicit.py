@@ -1,8 +1,8 @@
 """The solver inside the implicit flows: for m unknowns z with z = Phi(z), a fixed-point iteration, then Newton's.
 
-The fixed point needs no Jacobian, and serves where it contracts fast enough for what a matrix would cost. Where not,
-`newton` forms I - dPhi/dz by differences and keeps it, step after step, until it contracts slowly in its turn. The
-iterations go on until the increments stop shrinking: a looser end would make the energy drift. (Hairer, Wanner, Solving
+The fixed-point iteration needs no Jacobian, and is used where it contracts so fast that a matrix would cost more. Otherwise
+`newton` forms I - dPhi/dz by differences and keeps it for many steps, until its iteration contracts slowly, too. Iterations
+continue until the increments stop shrinking: a looser criterion would make the energy drift. (Hairer, Wanner, Solving
 Ordinary Differential Equations II, 2nd ed., section IV.8; Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd
 ed., section VIII.6.)
 
@@ -12,10 +12,10 @@ A flow that solves so is a template with a part ``residual``, which leaves Phi(z
 Layout of memory::
 
     0     number of unknowns m
-    1     how many of them, from the first, are measured by the first scale; the others by the second
-    2, 3  scales: sizes of the unknowns beside which 1e-12 is rounding
+    1     number of those, from the first, that are measured by the first scale; the others are by the second
+    2, 3  scales: sizes of the unknowns, relative to which 1e-12 is rounding
     4, 5  the scales at the start of the iteration, in which increments are compared
-    8     unknowns (m), increments (m), the last move (m), and what the flow itself needs, each from a cache line on
+    8     unknowns (m), increments (m), the last move (m), and the memory of the flow itself, each from a cache line on
 
 The scratch has the matrix (m * m) and its pivots (m).
 """
@@ -34,7 +34,7 @@ ROUNDING = 1e-12  # of an increment against the unknowns
 MOST_ITERATIONS = 50
 MOST_WITH_MATRIX = 16_384  # unknowns: 2 GiB
 _HEAD = 8
-_MANY, _RETRIED_AFTER = 32, 20  # for more unknowns, one in so many solutions is tried without a matrix
+_MANY, _RETRIED_AFTER = 32, 20  # for more unknowns, one solution of this number is tried without a matrix
 _NOT_THE_SIGN = 0x7FFF_FFFF_FFFF_FFFF
 
 residual_inside: Callable[..., None] = unbound
@@ -78,10 +78,10 @@ def moves(m: int, work: Floats) -> Floats:
 
 @compiled(inline=True)
 def patience(m: int) -> float:
-    """How many iterations a fixed point may take, in units of those for a few unknowns.
+    """Return the number of fixed-point iterations allowed, in units of that for a few unknowns.
 
-    A matrix costs m residuals and m^3 / 1.5 operations, and each iteration with it m^2: what the fixed point may take
-    instead grows with m.
+    A matrix costs m residuals and m^3 / 1.5 operations, and each iteration with it m^2: the number of iterations without it
+    that costs as much grows with m.
     """
     return 1.0 + m / 100 + m * m / 200_000
 
@@ -91,7 +91,8 @@ def solve(
 ) -> bool:
     """Solve for the m unknowns, starting from those in memory; writes the solution there, or the residual to TROUBLE.
 
-    The keeper is the number of the flow, which tells whose matrix is kept; `first` unknowns have the first scale.
+    The keeper is the number of the flow, which identifies the owner of the kept matrix; the first `first` unknowns have the
+    first scale.
     """
     head = memory(work)
     head[0], head[1], head[4] = m, first, 0.0

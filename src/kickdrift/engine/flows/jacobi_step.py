@@ -1,7 +1,8 @@
 """Wisdom-Holman steps in Jacobi coordinates, with the bodies in the current order of their orbits.
 
-States here are of the bodies from 1 on, relative to body 0: positions and velocities. In Jacobi coordinates what the Kepler
-problems leave is small only as long as bodies come by their orbits' sizes, which changes where planets scatter each other.
+States here are positions and velocities of the bodies from 1 on, relative to body 0. In Jacobi coordinates the perturbations of
+the Kepler problems are small only as long as bodies are listed by the sizes of their orbits, which change where planets scatter
+each other.
 """
 
 import math
@@ -17,13 +18,14 @@ from kickdrift.systems.splitting import mus, planets, weights
 
 Floats = NDArray[np.float64]
 
-# The energy says little of bodies of a hundredth of the heaviest's mass or less: distances tell where their orbits are wrong.
+# The energy hardly depends on bodies of a hundredth of the heaviest's mass or less: distances show where their orbits are
+# wrong.
 _LIGHT, _OF_LIGHT = 0.01, 100.0
 
 
 @compiled(cached=False)
 def sort_by_orbit(x: Floats, v: Floats, masses: Floats, binding: Floats, order: Floats) -> None:
-    """Write what binds each body to body 0, 2 / r - v^2 / Gm_0 = 1 / a, and the bodies from the innermost orbit on."""
+    """Write the binding of each body to body 0, 2 / r - v^2 / Gm_0 = 1 / a, and the bodies from the innermost orbit on."""
     for i in range(1, masses.size - 1):
         r2 = v2 = 0.0
         for k in range(3 * i, 3 * i + 3):

@@ -9,8 +9,8 @@ beta = 2 mu / r0 - v^2, eta = x . v, zeta = mu - beta r0 and the functions G_n(X
     h = r0 X + eta G_2 + zeta G_3,    r = dh/dX = r0 + eta G_1 + zeta G_2
 
 is solved for X. Then x and v change by f x + g v and f' x + g' v with f = -mu G_2 / r0, g = r0 G_1 + eta G_2,
-f' = -mu G_1 / (r0 r) and g' = -mu G_2 / r. (These are Gauss' functions less what they are at h = 0: differences are
-what the compensated sums want.)
+f' = -mu G_1 / (r0 r) and g' = -mu G_2 / r. (These are Gauss' functions less their values at h = 0:
+compensated sums need differences.)
 
 References
 ----------
@@ -80,7 +80,7 @@ def stiefel_functions(beta: float, X: float) -> tuple[float, float, float, float
     """Return G_0 to G_3 of X: by series for a fraction of X, doubled until it is X, at least once.
 
     The constants of the series have errors of rounding that are the same in every step. Doubled, they hardly matter to
-    G_1^2 = G_2 (2 - beta G_2), which is what energy and angular momentum hang on.
+    G_1^2 = G_2 (2 - beta G_2), on which energy and angular momentum depend.
     """
     y, doublings = 0.5 * X, 1
     while abs(beta * y * y) > _SMALL and abs(y) < math.inf:  # halving infinity would never end
@@ -104,8 +104,8 @@ def stiefel_functions(beta: float, X: float) -> tuple[float, float, float, float
 def gauss_functions(mu: float, h: float, r0: float, eta: float, v2: float) -> tuple[float, float, float, float, float]:
     """Return f, g, f', g', and zero unless the solution failed.
 
-    X is close to the solution when what Newton's method adds to it is small on the length over which r changes. Then
-    the correction, and what it does to the G_n, follow from their Taylor series: a step that is short for the orbit
+    X is close to the solution when the correction by Newton's method is small on the length over which r changes. Then
+    the correction, and its effect on the G_n, follow from their Taylor series: a step that is short for the orbit
     takes one evaluation of the G_n.
     """
     inverse_r0 = 1.0 / r0 if r0 > 0.0 else math.inf

@@ -3,12 +3,12 @@
 For a state of n numbers::
 
     0        accelerations of the last kick
-    n        what the sums for x have rounded off
-    2 n      what the sums for v have rounded off
-    3 n      rate of x where it is not v, or else what a flow is about to add to v, see `change_of_v`
+    n        rounding errors of the sums for x
+    2 n      rounding errors of the sums for v
+    3 n      rate of x if it is not v, otherwise the change of v that a flow prepares, see `change_of_v`
     4 n      coefficients of the method
-    memory   what the flows of the step need, see `memory`; its last n numbers are for `estimated_errors`, and before them
-             there is what the control of steps needs, see `control_memory`
+    memory   of the flows of the step, see `memory`; its last n numbers are for `estimated_errors`, and before them is the
+             memory of step control, see `control_memory`
     -TAIL    single numbers, below
 
 In front of it there are machine words: the addresses of the scratch and of the functions of the system.

@@ -1,4 +1,4 @@
-"""A kick that is implicit in the velocity, but for linear forces only: one step of Newton's, and a linear equation.
+"""A kick that is implicit in the velocity, exactly so for linear forces: one step of Newton's method, a linear equation.
 
 Where damping is stiff, it is stable at any step (MuJoCo's implicit integrator; the linearly implicit Euler method of
 Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed. (1996), section IV.9). A template, see

@@ -1,9 +1,9 @@
-"""Bodies that merge on contact, and have one position and one velocity from then on.
+"""Bodies that merge on contact, and share one position and one velocity from then on.
 
-So the state keeps its shape, masses stay with those who have them, and momentum and centre of mass are what they were. That
-bodies are one is seen by that they are in one place. A merged body is as large as their volumes together.
+So the state keeps its shape, every body its mass, and momentum and centre of mass do not change. Merged bodies are recognised
+by their common position. A merged body has the sum of their volumes.
 
-Layout of the bodies as they are, for n numbers of N bodies, in vectors of n numbers::
+Layout of the merged bodies, for n numbers of N bodies, in vectors of n numbers::
 
     0, 1      positions and velocities
     2         0 and Gm of each (N + 1), radius of each (N)
@@ -29,7 +29,7 @@ _BISECTIONS = 40
 
 @compiled(cached=False, inline=True)
 def whole(bodies: Floats, index: int, n: int) -> Floats:
-    """Return the positions (0) or velocities (1) of the bodies as they are."""
+    """Return the positions (0) or velocities (1) of the merged bodies."""
     return part(bodies, index * n, n)
 
 

@@ -10,7 +10,7 @@ ed., section XIII.2, where this psi is called psi_1.)
 
 Layout of memory::
 
-    0     half of the step for which what follows is the filtered acceleration at x; 0 where x has moved since
+    0     half of the step to which the following filtered acceleration at x belongs; 0 if x has moved since
     1     CHANGES when it was evaluated
     8     that, or a change of x, or x filtered (n)
 """

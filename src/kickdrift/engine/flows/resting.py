@@ -4,7 +4,7 @@ Templates. RATTLE (H. C. Andersen, J. Comput. Phys. 52, 24 (1983)) with one-side
 Impulses p along the gradients J at the start of the step would change its final positions by ``h M^-1 J^T p`` and velocities by
 ``M^-1 J^T p``; p is chosen such that the positions are on the surfaces. Further impulses along the gradients at the end remove
 the normal velocities. The sum of both must not pull: if it would be negative, it is zero, and the body leaves the surface.
-All of order 2, for any method; with a symmetric one, energy is conserved as by RATTLE.
+This is of order 2, for any method; with a symmetric one, energy is conserved as by RATTLE.
 Friction acts with both, see `sliding`.
 """
 
@@ -55,12 +55,12 @@ has_no_other_side: Callable[..., bool] = unbound
 reach: Callable[..., None] = unbound
 hold_listed: Callable[..., None] = unbound
 
-_ROUNDS = 20  # of Newton's method, and of normal impulses and friction in turn
+_ROUNDS = 20  # iterations of Newton's method, and of normal impulses and friction alternately
 _SWEEPS = 1000  # of Gauss and Seidel over the gaps
 _FLAT = 1e-3  # a gradient that is as small where a gap closes is looked at: that of abs(x) is 0 at 0, by differences
-_STILL = 1e-9  # of what the speed of a gap is made of
+_STILL = 1e-9  # of the terms in the speed of a gap
 _ROUNDING = 2.220446049250313e-16
-FREE_X, FREE_V = 4, 5  # vectors of control: where the step has led by itself
+FREE_X, FREE_V = 4, 5  # vectors of control: the end of the step without projection
 
 
 def find_resting(t: float, h: float, x: Floats, v: Floats, work: Floats) -> None:
@@ -253,7 +253,7 @@ def keep_along(v: Floats, work: Floats) -> None:
 
 @compiled
 def forget_roundings(x: Floats, v: Floats, work: Floats) -> None:
-    """Let what stays where it was, or comes to rest, do so exactly: what differs by roundings would wander."""
+    """Make positions that do not change, and velocities that vanish, exact: rounding errors would let them wander."""
     n = x.size
     begin, free_x, free_v = saved(n, 0, n, work), saved(n, FREE_X, n, work), saved(n, FREE_V, n, work)
     moved, kicked = 0.0, 0.0
@@ -269,7 +269,7 @@ def forget_roundings(x: Floats, v: Floats, work: Floats) -> None:
 
 @compiled
 def let_go(work: Floats) -> None:
-    """Release what leaves its surface."""
+    """Release the bodies that leave their surfaces."""
     resting = row_of(RESTING, work)
     for row in range(resting.size):
         if resting[row] == LEAVES:

@@ -1,7 +1,7 @@
 """The sides of switches: in the params of the force, and for states between two steps.
 
-Templates. Where steps are cut at a switch, the next begins at it but for rounding, and knows its side: see `cuts`. Of a part
-of that step only the state is known; the side is that on which the motion, or the time alone, leads it a moment later.
+Templates. Where steps are cut at a switch, the next one begins at the switch, up to rounding, with a known side: see `cuts`.
+Of a part of that step only the state is known; its side is that to which the motion, or time alone, leads it a moment later.
 """
 
 from collections.abc import Callable

@@ -1,10 +1,10 @@
 """Friction of bodies on surfaces: sticking, sliding, and reversals of the slip.
 
-Templates. By Coulomb's law friction takes of the way along a surface what the impulses at the start of a step allow, and of the
-speed at the end what they allow in sum, see `resting`. So what sticks stays where it is. What slides at the start is rubbed
-against its velocities at both ends, which is of second order where its way is curved, and as if it slid on even where that
-turns the slip around: there the step is cut, see `cuts`. Where impacts are not located no step is cut, and friction stops what
-it can.
+Templates. By Coulomb's law friction reduces the displacement along a surface as far as the impulses at the start of a step
+allow, and the speed at the end as far as their sum allows, see `resting`. So sticking bodies do not move. On bodies that
+slide at the start, friction acts against their velocities at both ends, which is of second order on curved paths, and as if
+they kept sliding even where that reverses the slip: there the step is cut, see `cuts`. Where impacts are not located no step
+is cut, and friction stops bodies where it can.
 """
 
 import math
@@ -115,7 +115,7 @@ def stop_slip(row: int, t: float, x: Floats, v: Floats, work: Floats) -> None:
 def rub_listed(h: float, way: Floats, velocity: Floats, work: Floats) -> float:
     """Reduce the tangential velocities by friction, as far as the impulses allow, and return the largest change.
 
-    What slides loses it against its velocity, given; and what sticks loses no more than it has.
+    Sliding bodies lose it against their given velocity; sticking bodies lose no more than they have.
     """
     n, friction, impulse, used = way.size, row_of(FRICTION, work), row_of(IMPULSE, work), row_of(USED, work)
     row, inverse, largest, slides = row_of(LIST, work), inverse_masses(n, work), 0.0, row_of(SLIDES, work)

@@ -63,7 +63,7 @@ take_equivalent_side: Callable[..., bool] = unbound
 _MOMENT = 1e-4  # of a step, by which the rate of a switch is a difference
 _LINEAR = 1e-2  # of the difference of the rates on both sides
 MOST_ROUNDS, _SETTLED = 20, 1e-12  # of the iteration for the sides
-_MISSED = 1e-6  # of the side: what the iteration must not leave, unless rounding errors are as large
+_MISSED = 1e-6  # of the side: tolerance of the iteration, unless rounding errors are as large
 
 
 @compiled
@@ -85,7 +85,7 @@ def note_crossing(row: int, t: float, work: Floats) -> bool:
 
 @compiled
 def place_of_side(row: int, work: Floats) -> int:
-    """Return where the side of a switch is in the params of the force."""
+    """Return the index of the side of a switch in the params of the force."""
     index, switch = int(own_params(work)[PLACE_OF_SIDES]), row_of(SWITCH, work)
     for i in range(row):
         index += 1 if switch[i] != 0.0 else 0
@@ -205,9 +205,9 @@ def _product(a: Floats, b: Floats) -> float:
 def correct_sides(h: float, n: int, work: Floats) -> float:
     """Correct the sides by Broyden's method from the slopes of each alone, and return the largest correction by these.
 
-    It starts again where a side reaches a bound, and leaves those out that stay there. For what each side does to other
-    switches it needs the corrections before, and no matrix: C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations
-    (1995), algorithm brsol in section 7.3.
+    It starts again where a side reaches a bound, and leaves out the sides that stay there. The effect of each side on other
+    switches follows from the previous corrections, without a matrix: C. T. Kelley, Iterative Methods for Linear and Nonlinear
+    Equations (1995), algorithm brsol in section 7.3.
     """
     own, room, resting, side = own_params(work), room_of_gaps(n, work), row_of(RESTING, work), row_of(SIDE, work)
     steepness, kept, largest = row_of(STEEPNESS, work), int(own[KEPT]), 0.0

@@ -1,4 +1,4 @@
-"""Steps by a density: how many there are to a unit of time is a function of the state, and is carried along with it.
+"""Steps by a density: the number of steps per unit of time is a function of the state, and is integrated along with it.
 
 Templates. With the density rho, a step takes the time ``first step / z``, where z follows rho / rho(start):
 
@@ -7,8 +7,9 @@ Templates. With the density rho, a step takes the time ``first step / z``, where
 - Huang, Leimkuhler, SIAM J. Sci. Comput. 18, 239 (1997): the mean of z before and after is rho in the middle of the step.
 
 The rate of log rho is a difference over half a step, forwards and back along x' (and v', where rho sees v): it changes its sign
-with the velocities, exactly, which is what keeps the step reversible. Over an eighth of a step the energy is no better, and
-rounding leads 3000 steps back to within 4e-11 instead of 4e-12; over a whole one, planets that meet are lost sooner.
+with the velocities, exactly, and so keeps the step reversible. With differences over an eighth of a step the energy is no
+better, and rounding leads 3000 steps back to within 4e-11 instead of 4e-12; over a whole one, planets that meet are lost
+sooner.
 """
 
 import math

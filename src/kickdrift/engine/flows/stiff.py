@@ -1,15 +1,15 @@
 """Implicit Runge-Kutta methods for stiff problems: those whose last stage is the end of the step.
 
-Templates, see `kickdrift.engine.flows.runge_kutta`, whose stages these are. Three things are different where what
-decays is much faster than the step:
+Templates, see `kickdrift.engine.flows.runge_kutta`, whose stages these are. Three things differ where decay is much faster
+than the step:
 
-- Each component starts from the polynomial of the step before only if that goes where its own slope does. After a
-  transient it does not: the slopes of the first stages have nothing to do with what follows, and from there Newton's
-  iteration finds another root. On Robertson's problem that was one with a negative concentration, and the run was lost.
-- A step whose equations cannot be solved is halved, until they can: where a relaxation oscillator jumps.
+- Each component starts from the polynomial of the previous step only if that has the direction of its own slope. After a
+  transient it has not: the slopes of the first stages are unrelated to the motion that follows, and Newton's iteration finds
+  another root from there. On Robertson's problem that was one with a negative concentration, and the run was lost.
+- A step whose equations cannot be solved is halved until they can, as where a relaxation oscillator jumps.
 - The step is compared with an embedded one (Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
-  section IV.8), and the largest difference of each number kept. The difference goes through the matrix of the iteration,
-  where there is one: or else what is stiff would decide it.
+  section IV.8), and the largest difference of each number is kept. The difference is multiplied by the inverse matrix of the
+  iteration, if there is one: otherwise the stiff components would dominate it.
 
 Layout of memory: that of `runge_kutta.implicit_runge_kutta`, then the rates at the start of the step, of x and of v. The
 head of the solver has at 6 whether the last stage of the step before is the start of this one.
@@ -159,7 +159,7 @@ def forget(n: int, n_v: int, s: int, general: bool, work: Floats) -> None:
 def hold_back(y: Floats, h: float, rate: Floats, stage: Floats) -> None:
     """Start a stage from y in the components that would move against their slope there, or more than twice as far.
 
-    Each is judged by itself: no norm tells how large a change of it is large.
+    Each is judged separately: no norm gives the scale of its changes.
     """
     for k in range(y.size):
         along = h * rate[k]

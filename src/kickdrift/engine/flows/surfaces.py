@@ -29,13 +29,13 @@ MOST_KEPT, KEPT = 19, 20  # how many changes of the sides can be kept, and are
 ROWS = 21
 RESTITUTION, FRICTION, SWITCH, SIDE, RESTING, BEFORE, NOW, HIT, OPENS, SLIP, TURNED = range(11)
 STEEPNESS, WITHOUT, CROSSED = 11, 12, 13  # of switches, see `sliding_mode`
-LIST, SQUARE, RATE, IMPULSE, USED, LEFT, SLIDES = range(14, ROWS)  # of those listed: the gap, and what is known of it
-FLIES, RESTS, LEAVES, SLIDES_ON = 0.0, 1.0, 2.0, 3.0  # what a gap does, in RESTING: LEAVES until its step is taken
+LIST, SQUARE, RATE, IMPULSE, USED, LEFT, SLIDES = range(14, ROWS)  # of those listed: the gap, and the data on it
+FLIES, RESTS, LEAVES, SLIDES_ON = 0.0, 1.0, 2.0, 3.0  # states of a gap, in RESTING: LEAVES until its step is taken
 VECTORS = 3
 _INVERSE_MASSES, _PLACE, _ACCELERATION = range(VECTORS)
 
 TOUCHES = 1e-12  # of the size of x: two that are so near take part in one impact
-CLOSED = 1e-14  # of the size of x: what touches at the start of a step closes where it is so far beyond
+CLOSED = 1e-14  # of the size of x: a gap closed at the start of a step closes again where it is that far beyond
 DIFFERENCE = 1e-4  # of the size of x: differences of fourth order leave 1e-12 of the gradient
 _SPAN = 1e-2  # of a step, in the same way
 
@@ -184,7 +184,7 @@ def difference_gradients(t: float, x: Floats, v: Floats, work: Floats) -> None:
 def difference_in_time(t: float, x: Floats, v: Floats, work: Floats) -> None:
     """Write the rates of the listed gaps at constant positions, by times within the run, since tables may end with it.
 
-    Differences of differences, so that what does not change has the rate zero.
+    Differences of differences, so that constant gaps have the rate zero.
     """
     n, own, room, rate, base = (
         x.size,

@@ -107,5 +107,5 @@ def evaluate_component(i: int, t: float, x: Floats, v: Floats, params: Floats, w
 
 @compiled(inline=True)
 def alone(i: int, n: int, work: Floats) -> Floats:
-    """Return work as the sums for a state of component i alone want it: its rounded-off part lies 1 from the start."""
+    """Return work in the layout of a state of component i alone: its rounding error is at index 1."""
     return part(work, n + i - 1, work.size - n - i + 1)

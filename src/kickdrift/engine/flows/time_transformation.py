@@ -1,14 +1,14 @@
-"""Kicks and drifts in a transformed time, each over a time that the other's variables determine: for close encounters.
+"""Kicks and drifts in a transformed time, each over a time that the variables of the other determine: for close encounters.
 
-Templates. The step counts a time s with a rate dt/ds that each letter takes from what it does not move:
+Templates. The step counts a time s with a rate dt/ds that each letter takes from the variables that it does not move:
 
 - logarithmic Hamiltonian, of H = T(v) + U(x) < 0: drifts take ``1 / (T - E)``, kicks ``1 / -U``, which are equal on the exact
-  motion. A Kepler orbit is exact, but for its time (Mikkola, Tanikawa, Mon. Not. R. Astron. Soc. 310, 745 (1999); Preto,
+  motion. A Kepler orbit is exact, except for its time (Mikkola, Tanikawa, Mon. Not. R. Astron. Soc. 310, 745 (1999); Preto,
   Tremaine, Astron. J. 118, 2532 (1999)).
-- time-transformed leapfrog: kicks take ``1 / Omega(x)``, drifts ``1 / W``, where W follows Omega by the velocities at hand
+- time-transformed leapfrog: kicks take ``1 / Omega(x)``, drifts ``1 / W``, where W follows Omega by the present velocities
   (Mikkola, Aarseth, Celest. Mech. Dyn. Astron. 84, 343 (2002)).
 
-All are measured by what they are at the start, so that the first step takes the time that was given.
+All are relative to their initial values, so that the first step takes the given time.
 """
 
 import math

@@ -70,7 +70,7 @@ def _check_inside(path: Path, candidates: list[Path], value: str, inside: Path) 
         if outside:
             raise FileFormatError(
                 f"path={str(path)!r} refers to {value!r}, which is not in {str(inside)!r}; if you trust the file, pass"
-                " folder=, a folder with all that it may read."
+                " folder=, a folder that contains all files that it may read."
             )
 
 

@@ -48,7 +48,7 @@ def _in_package(file: str, folder: Path, highest: Path) -> str:
                 if not candidate.resolve().is_relative_to(highest):
                     raise FileFormatError(
                         f"{file!r} is in {str(above)!r}, which is not in {str(highest)!r}; if you trust the file, pass"
-                        " folder=, a folder with all that it may read."
+                        " folder=, a folder that contains all files that it may read."
                     )
                 return str(candidate)
     return file

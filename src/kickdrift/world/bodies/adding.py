@@ -144,7 +144,7 @@ class AddsBodies:
             rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + part.shape.reach)
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
         self.bodies.names.give(body.index, name)
-        if kind != DYNAMIC:  # a dynamic one wakes what it touches
+        if kind != DYNAMIC:  # a dynamic one wakes the bodies that it touches
             self.bodies.wake()
         return self.bodies.handle(body.index)
 

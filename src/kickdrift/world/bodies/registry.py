@@ -269,7 +269,7 @@ class Bodies:
         return f"body {row}" if name is None else f"body {row}, {name!r},"
 
     def wake(self) -> None:
-        """Wake all bodies and reset their times of rest, for changes that may remove what they rest on."""
+        """Wake all bodies and reset their times of rest, for changes that may remove their supports."""
         bodies = self.tables.array(BODY)
         sleeping = (bodies[:, BODY_KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
         bodies[sleeping, AWAKE] = 1

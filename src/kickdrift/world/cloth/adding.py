@@ -132,12 +132,12 @@ class AddsCloths:
         """
         sides, counts = vector("size", size, 2), np.asarray(vertices)
         if not (sides > 0.0).all():
-            raise ArgumentError(f"size={size!r} has to be positive, in m.")
+            raise ArgumentError(f"size={size!r} must be positive, in m.")
         if counts.shape != (2,) or counts.dtype.kind not in "iu" or (counts < 2).any():
-            raise ArgumentError(f"vertices={vertices!r} have to be two whole numbers, each two or more.")
+            raise ArgumentError(f"vertices={vertices!r} must be two whole numbers of at least 2.")
         count = int(counts[0]) * int(counts[1])
         if count > _MOST_VERTICES:
-            raise ArgumentError(f"vertices={vertices!r} are {count}, more than {_MOST_VERTICES}; give fewer.")
+            raise ArgumentError(f"vertices={vertices!r} make {count}, more than {_MOST_VERTICES}; give fewer.")
         turn = rotation_matrix(unit_quaternion("orientation", orientation))
         points, triangles = grid(int(counts[0]), int(counts[1]), (float(sides[0]), float(sides[1])))
         centred = points - [0.5 * sides[0], 0.5 * sides[1], 0.0]
@@ -150,13 +150,13 @@ class AddsCloths:
     ) -> Rope:
         """Add a rope through points, free of tension, on layer 0.
 
-        Its vertices are the points; what is between two of them is a segment, a straight capsule. It is straight at rest: one
-        that is curved at first straightens, if it can and has a bending stiffness.
+        Its vertices are the points; between two of them is a segment, a straight capsule. At rest it is straight: a rope with a
+        bending stiffness that is curved at first straightens, unless something holds it.
 
         Parameters
         ----------
         points : (N, 3) array_like
-            Two or more, m. Where it runs round something, segments should be shorter than its radius of curvature.
+            Two or more, m. Where the rope runs around a body, segments should be shorter than its radius of curvature.
         self_collision : bool
             Whether it collides with itself; it always collides with other ropes, and with cloths.
         name : str, optional
@@ -172,7 +172,7 @@ class AddsCloths:
         Raises
         ------
         ArgumentError
-            For invalid points, of which the message names one, and for invalid numbers.
+            For invalid points, one of which the message names, and for invalid numbers.
 
         Examples
         --------
@@ -188,12 +188,12 @@ class AddsCloths:
         """
         made_of, mesh = material_of(RopeMaterial, "a rope", material), rope_mesh(points)
         rope = self._add(built_rope(mesh, made_of), Rope, name, self_collision)
-        self.shape_rows.kinds |= {CAPSULE}  # which segments are to other shapes
+        self.shape_rows.kinds |= {CAPSULE}  # segments meet other shapes as capsules
         return rope
 
     def _add(self, built: Built, kind: type[D], name: str | None, self_collision: bool) -> D:
         added = self.cloths.add(built, kind, name, choice("self_collision", self_collision))
-        self.shape_rows.kinds |= {SPHERE}  # which particles are to other shapes
+        self.shape_rows.kinds |= {SPHERE}  # particles meet other shapes as spheres
         self.tables.altered = True
         return added
 

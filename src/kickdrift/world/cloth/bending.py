@@ -69,7 +69,8 @@ _TURNS = 1e-12  # rad^2: total bending below which the rotation of a cloth is un
 def add_bending(world: int, cloth: int, share: float, damped: float) -> None:
     """Add `share` times the forces of bending to those on the particles of a cloth, and `damped` times those of damping.
 
-    These are by the change since the last time, over that time in s: `damped` is zero where that is not known.
+    The damping forces belong to the change since the last evaluation, divided by the time since then, s; `damped` is zero if
+    there was none.
     """
     numbers, own = floats(world, CLOTH_NUMBERS), integers(world, CLOTH)
     stiffness, ahead = share * numbers[cloth, BENDING], damped / share * numbers[cloth, BENDING_DAMPING]

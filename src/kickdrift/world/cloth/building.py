@@ -22,7 +22,7 @@ _OF_THICKNESS, _SKIN = 0.5, 0.12
 
 
 class Built(NamedTuple):
-    """What a cloth or a rope is made of.
+    """The mesh, masses and numbers of a cloth or a rope.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Built(NamedTuple):
 
 
 def built_cloth(mesh: ClothMesh, fabric: Fabric, warp: Floats) -> Built:
-    """Return what a cloth of a mesh is made of."""
+    """Return the rows of a cloth of a mesh."""
     to_rest = inverse_edges(flattened(mesh, warp)[0])
     areas = 0.5 / np.abs(to_rest[:, 0] * to_rest[:, 3] - to_rest[:, 1] * to_rest[:, 2])
     at_rest = np.zeros((len(areas), FACE_NUMBERS.width))
@@ -59,7 +59,7 @@ def built_cloth(mesh: ClothMesh, fabric: Fabric, warp: Floats) -> Built:
 
 
 def built_rope(mesh: ClothMesh, material: RopeMaterial) -> Built:
-    """Return what a rope of these segments is made of."""
+    """Return the rows of a rope of these segments."""
     lengths = lengths_of(mesh.vertices)
     masses = rope_masses(lengths, material.density)
     at_rest = np.zeros((len(lengths), FACE_NUMBERS.width))

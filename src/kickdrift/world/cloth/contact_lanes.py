@@ -59,14 +59,14 @@ def resolve_lanes(context: Any, contacts: Any, numbers: Any, particles: Any, row
 
 
 def _row_of(builder: Any, contacts: Any, row: Any, lane: int) -> Any:
-    """Where the particle of a contact begins in its table."""
+    """Return the index at which the particle of a contact begins in its table."""
     at = builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT.width))
     particle = builder.load(builder.gep(contacts, [plus(builder, at, TOUCHING_PARTICLE)]))
     return builder.mul(particle, WORD(PARTICLE.width))
 
 
 def _rows(builder: Any, row: Any) -> list[Any]:
-    """Where the numbers of eight contacts begin."""
+    """Return the indices at which the numbers of eight contacts begin."""
     return [builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT_NUMBERS.width)) for lane in range(WIDTH)]
 
 

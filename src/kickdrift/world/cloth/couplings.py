@@ -25,7 +25,7 @@ class Bending(NamedTuple):
     rows : (M, 3, 6) array
         H: derivatives of the curvature (xx, yy, sqrt 2 xy), each times the normal, by positions, 1/m^2. Of a rope (M, 1, 3).
     stencils : (M, 6) array
-        The vertices; instead of one beyond the border the first corner, with zero in `rows`.
+        The vertices; beyond the border, the first corner stands for them, with zeros in `rows`.
     rest : (M, 3) array
         c: curvature at rest along the normal, 1/m.
     """

@@ -1,4 +1,4 @@
-"""What the handles of cloths, ropes and soft bodies have in common: their vertices."""
+"""The base class of the handles of cloths, ropes and soft bodies: their vertices."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class FaceGroups(NamedTuple):
     in_rows : (G,) array of bool
         Whether the corners of the eight triangles are consecutive.
     apart : (G, 3) array of bool
-        Whether the rows of a corner overlap, but are not, those of another corner in a group in rows, and come after them.
+        In groups of consecutive rows, whether the rows of a corner partly overlap those of another corner and come after them.
     """
 
     corners: Integers

@@ -10,7 +10,7 @@ from kickdrift.world.arguments import direction, number, vector
 from kickdrift.world.cloth.deformable import Deformable
 
 Floats = NDArray[np.float64]
-_FASTEST = 1e6  # m/s, of winds: their squares, and what follows from these, are finite
+_FASTEST = 1e6  # m/s: the largest wind, whose square and forces are finite
 
 
 class Cloth(Deformable):

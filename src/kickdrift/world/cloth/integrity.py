@@ -78,7 +78,7 @@ def _check_segments(rows: FileTables) -> None:
 
 
 def _check_parents(rows: FileTables) -> None:
-    """Ask that vertices were split off vertices of the same cloth."""
+    """Check that vertices were split off vertices of the same cloth."""
     counts = np.diff(rows["CLOTH"][:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]], axis=1)[:, 0]
     parents = rows["PARTICLE_REST"][:, c.SPLIT_FROM]
     rows.holds("PARTICLE_REST", c.SPLIT_FROM, (parents >= 0) & (parents < np.repeat(counts, counts)))

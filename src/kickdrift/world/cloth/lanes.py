@@ -101,8 +101,8 @@ def kick_lanes(
 ) -> Any:
     """Add to columns 4 to 6 of eight rows of a table of width eight, from row i on, and multiply them by `keep`.
 
-    Added are `fall` and a time times column 3 times the sums of three fields each, from `at` and `more` on, which become
-    zero. Rows whose column 3 is zero remain as they are.
+    The addends are `fall`, and a time times column 3 times the sums of three fields each, from `at` and `more` on, which are
+    then set to zero. Rows whose column 3 is zero do not change.
     """
     mass, first = 3, 4
 

@@ -13,7 +13,7 @@ _SMALLEST, _LARGEST = 1e-15, 1e15  # range of all parameters, in which squares o
 
 
 def check_numbers(material: Any, units: Mapping[str, str], positive: Collection[str]) -> None:
-    """Check parameters that are not negative, by their names, and set them as floats; those in `positive` are not zero either.
+    """Check parameters by their names, and set them as floats: positive ones, or zero unless they are in `positive`.
 
     Raises
     ------
@@ -24,7 +24,7 @@ def check_numbers(material: Any, units: Mapping[str, str], positive: Collection[
         value = number(name, getattr(material, name), unit, zero=name not in positive)
         if value > _LARGEST or 0.0 < value < _SMALLEST:
             zero = "" if name in positive else "zero or "
-            raise ArgumentError(f"{name}={value!r} has to be {zero}from {_SMALLEST:g} to {_LARGEST:g} {unit}.")
+            raise ArgumentError(f"{name}={value!r} must be {zero}from {_SMALLEST:g} to {_LARGEST:g} {unit}.")
         object.__setattr__(material, name, value)
 
 
@@ -39,5 +39,5 @@ def material_of(kind: type[Material], what: str, options: Mapping[str, Any]) -> 
     known = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     unknown = [name for name in options if name not in known]
     if unknown:
-        raise ArgumentError(f"{unknown[0]}= is no option of {what}; there are {', '.join(known)}.")
+        raise ArgumentError(f"{unknown[0]}= is not an option of {what}; the options are {', '.join(known)}.")
     return kind(**options)

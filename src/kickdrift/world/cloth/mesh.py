@@ -116,9 +116,9 @@ def vertices_of(vertices: ArrayLike, name: str = "vertices", each: str = "vertex
     try:
         points = reals(vertices)
     except TypeError:
-        raise ArgumentError(f"{name} have to be an (N, 3) array of numbers, in m.") from None
+        raise ArgumentError(f"{name} must be an (N, 3) array of numbers, in m.") from None
     if points.ndim != 2 or points.shape[1] != 3:
-        raise ArgumentError(f"{name} of shape {points.shape} have to be an (N, 3) array, in m.")
+        raise ArgumentError(f"{name} has the shape {points.shape}; give an (N, 3) array, in m.")
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if wrong.size:
         raise ArgumentError(f"{each} {wrong[0]} is at {points[wrong[0]]}, which is not finite.")
@@ -135,8 +135,8 @@ def _triangles(triangles: ArrayLike) -> Integers:
         faces = np.empty(0)
     if faces.ndim != 2 or faces.shape[1:] != (3,) or len(faces) == 0 or faces.dtype.kind not in "iu":
         raise ArgumentError(
-            f"triangles of shape {faces.shape} and type {faces.dtype} have to be an (M, 3) array of whole numbers, one row or "
-            "more: numbers of vertices."
+            f"triangles of shape {faces.shape} and type {faces.dtype} must be an (M, 3) array of whole numbers, indices of"
+            " vertices, with at least one row."
         )
     return faces.astype(np.int64)
 
@@ -145,7 +145,7 @@ def _check_corners(points: Floats, faces: Integers) -> None:
     wrong = np.flatnonzero(((faces < 0) | (faces >= len(points))).any(axis=1))
     if wrong.size:
         raise ArgumentError(
-            f"triangle {wrong[0]} has the vertices {faces[wrong[0]]}; there are those from 0 to {len(points) - 1}."
+            f"triangle {wrong[0]} has the vertices {faces[wrong[0]]}; indices go from 0 to {len(points) - 1}."
         )
     twice = np.flatnonzero((faces == np.roll(faces, 1, axis=1)).any(axis=1))
     if twice.size:
@@ -163,7 +163,7 @@ def _check_areas(points: Floats, faces: Integers) -> None:
     thin = np.flatnonzero(~(doubled > _THIN * longest**2))
     if thin.size:
         raise ArgumentError(
-            f"triangle {thin[0]} has no area: its corners {points[faces[thin[0]]].tolist()} are in a line."
+            f"triangle {thin[0]} has no area: its corners {points[faces[thin[0]]].tolist()} are on one line."
         )
 
 
@@ -179,15 +179,15 @@ def _shared_edges(faces: Integers) -> tuple[Integers, Integers]:
         of = [int(k) % count for k in order[thrice[0] : thrice[0] + 3]]
         raise ArgumentError(
             f"triangles {of[0]}, {of[1]} and {of[2]} share one edge, that of vertices {low[order[thrice[0]]]} and "
-            f"{high[order[thrice[0]]]}; cut the mesh there, a cloth has two sides."
+            f"{high[order[thrice[0]]]}; cut the mesh there, since an edge of a cloth has at most two triangles."
         )
     first, second = order[:-1][same], order[1:][same]
     turned = np.flatnonzero(start[first] == start[second])
     if turned.size:
         k = turned[0]
         raise ArgumentError(
-            f"triangles {first[k] % count} and {second[k] % count} are turned opposite ways round at their edge of vertices "
-            f"{start[first[k]]} and {end[first[k]]}; let all of them be counter-clockwise seen from one side."
+            f"triangles {first[k] % count} and {second[k] % count} have opposite orientations at their edge of vertices "
+            f"{start[first[k]]} and {end[first[k]]}; make all of them counter-clockwise as seen from the same side."
         )
     twins = np.flatnonzero(across[first] == across[second])
     if twins.size:

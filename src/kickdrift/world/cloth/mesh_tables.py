@@ -21,7 +21,7 @@ from kickdrift.world.tables import (
 
 
 def put_mesh(tables: Tables, row: int, built: Built) -> None:
-    """Write what a cloth or a rope is made of to its row, which has nothing yet."""
+    """Write the mesh and numbers of a cloth or a rope to its row, which is empty."""
     mesh, masses, count = built.mesh, built.masses, len(built.masses)
     tables.array(CLOTH)[row, c.DIMENSION], tables.array(CLOTH_NUMBERS)[row] = built.dimension, built.numbers
     particles, rest = np.zeros((count, PARTICLE.width)), np.zeros((count, PARTICLE_REST.width))
@@ -36,14 +36,14 @@ def put_mesh(tables: Tables, row: int, built: Built) -> None:
 
 
 def put_triangles(tables: Tables, row: int, mesh: ClothMesh) -> None:
-    """Write which vertices the triangles of a cloth have, as many as there are."""
+    """Write the vertices of the triangles of a cloth, whose number does not change."""
     faces = rows_of(tables, row, c.FIRST_FACE, FACE)
     faces[:, c.CORNERS : c.CORNERS + 3] = mesh.triangles + tables.array(CLOTH)[row, c.FIRST_PARTICLE]
     faces[:, c.OWNED] = owned(mesh.triangles)
 
 
 def mesh_in(tables: Tables, row: int) -> ClothMesh:
-    """Return the mesh of a cloth as it is without tension."""
+    """Return the mesh of a cloth at rest."""
     rest = rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE_REST)[:, :3].copy()
     if tables.array(CLOTH)[row, c.DIMENSION] == c.ROPE:
         return segments(rest)

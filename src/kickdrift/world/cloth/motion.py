@@ -192,7 +192,7 @@ def _go_back(world: int, interval: float) -> None:
 def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: float) -> None:
     """Kick a cloth by its forces, and resolve its contacts with shapes."""
     share = 0.5 if begins or ends else 1.0
-    # That of damping is whole at the end, as nothing is known of changes where the next substep begins.
+    # The damping impulse is whole at the end, since no change is known at the beginning of the next substep.
     damped = 0.0 if begins else 1.0 / part
     if integers(world, CLOTH)[cloth, DIMENSION] == ROPE:
         add_tension(world, cloth, share, damped * part)

@@ -96,8 +96,8 @@ def begin_interval(world: int) -> None:
 def hold_pairs(world: int, part: float) -> None:
     """Apply impulses that keep pairs that touch from approaching in a part of an interval, s.
 
-    If they were left to the end of the interval, stiff cloth that they hold would swing freely until then, and what brings it
-    back to its place would do work each time: folds would never come to rest.
+    If they were left to the end of the interval, stiff cloth that they hold would swing freely until then. The impulses that
+    bring it back would do work each time, and folds would never come to rest.
     """
     pair, numbers, particle = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), floats(world, PARTICLE)
     row = int(floats(world, CLOTH_SEARCH)[0, FIRST_HELD])

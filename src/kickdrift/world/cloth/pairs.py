@@ -65,7 +65,7 @@ def find_cloth_pairs(world: int, h: float, part: float) -> bool:
     """Find the pairs that may touch in a part of a substep, s; False if there is no room for them.
 
     Known pairs remain valid as long as particles follow their predicted paths, at most for the time 4 h, s. A pair counts as
-    that of the two triangles from which it was found, since that of others may have been left out for how these were inclined.
+    that of the two triangles from which it was found, since other triangles may have left it out for their inclination.
     """
     search, own = floats(world, CLOTH_SEARCH), integers(world, CLOTH)
     if not meets(world):
@@ -168,7 +168,7 @@ def _walk(world: int, a: int, b: int) -> bool:
 
 @compiled
 def _are_one_piece(world: int, begin: int, m: int, n: int) -> bool:
-    """Whether two nodes of a tree that begins in that row are one flat piece, with what joins them, as each of them is flat."""
+    """Whether two flat nodes of a tree that begins in that row form one flat piece with the node that joins them."""
     node, near, normals = integers(world, CLOTH_TREE_NODE), integers(world, TREE_NEIGHBOUR), floats(world, NORMAL_TREE)
     for k in range(node[begin + m, NEAR_NODES], node[begin + m, NEAR_NODES + 1]):
         if near[k, NEAR_NODE] == n:

@@ -1,4 +1,4 @@
-"""Ranges of rows: what is of one cloth follows what is of the one before, in every table."""
+"""Ranges of rows: in every table, the rows of a cloth follow those of the cloth before it."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -25,7 +25,7 @@ from kickdrift.world.tables import (
     Tables,
 )
 
-# By the columns in which ranges begin, particles last: the others name them
+# By the columns in which ranges begin; particles last, since rows of the other tables refer to them
 TABLES_OF = {
     c.FIRST_FACE: (FACE, FACE_NUMBERS),
     c.FIRST_COUPLING: (COUPLING, COUPLING_NUMBERS),
@@ -39,7 +39,7 @@ _PARTICLES_IN = (
 
 
 def add_range(tables: Tables) -> int:
-    """Take a row for a cloth, after all others, that has nothing yet."""
+    """Add a row for a cloth after all others, with empty ranges, and return it."""
     row = tables.count(CLOTH)
     tables.resize(CLOTH_NUMBERS, row + 1)
     own = tables.resize(CLOTH, row + 1)[row]
@@ -55,7 +55,7 @@ def rows_of(tables: Tables, row: int, first: int, table: Table) -> NDArray[Any]:
 
 
 def replace_rows(tables: Tables, row: int, first: int, anew: Mapping[Table, NDArray[Any]]) -> None:
-    """Give a cloth other rows of tables, those from the one in column `first` to that in the next; those of others move."""
+    """Replace the rows of a cloth in the tables whose range begins in column `first`; rows of later cloths move."""
     cloths = tables.array(CLOTH)
     begin, end = cloths[row, [first, first + 1]].tolist()
     for table, values in anew.items():

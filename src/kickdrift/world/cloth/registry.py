@@ -77,7 +77,7 @@ class Cloths:
     def remove(self, cloth: Deformable) -> None:
         """Remove a cloth; see `World.remove_cloth`."""
         row = self.row(cloth)
-        repr(cloth)  # errors call by its name what is gone
+        repr(cloth)  # its name is kept for later errors
         remove_range(self.tables, row)
         names = self.names.all()
         self.names.replace({k - (k > row): name for k, name in names.items() if k != row})
@@ -112,7 +112,7 @@ class Cloths:
         return int(split.parents.size)
 
     def _changed(self) -> None:
-        """Wake all, and have everything that depends on the vertices prepared again."""
+        """Wake everything, and request that all data that depend on the vertices are prepared again."""
         self._arranged, self._substep = -1, 0.0
         self._bodies.wake()
         self.wake()
@@ -143,10 +143,10 @@ class Cloths:
         self._substep, self._arranged = 0.0, -1
 
     def row(self, cloth: Deformable, argument: str = "cloth") -> int:
-        """Return the row of what exists; ArgumentError if it was removed, or is not of this world."""
+        """Return the row of an existing cloth or rope; ArgumentError if it was removed, or is not of this world."""
         if not isinstance(cloth, Deformable) or cloth.registry is not self:
             raise ArgumentError(
-                f"{argument}={cloth!r} is no cloth or rope of this world; give what World.add_cloth or World.add_rope returned."
+                f"{argument}={cloth!r} is not a cloth or rope of this world; give a handle from World.add_cloth or add_rope."
             )
         index = cloth.index
         if not self.knows(index, cloth.generation):
@@ -204,7 +204,7 @@ class Cloths:
         """Set a property by its name, and wake bodies and cloths."""
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
-        self.tables.altered = True  # of whether it can tear the loop of the steps depends
+        self.tables.altered = True  # the loop of the steps depends on whether it can tear
         self._bodies.wake()
         self.wake()
 
@@ -270,10 +270,10 @@ class Cloths:
         """Return the rows of vertices, without repetition; ArgumentError for invalid ones."""
         count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))
         if chosen.dtype.kind not in "iu" or chosen.ndim != 1:
-            raise ArgumentError(f"vertices={vertices!r} have to be whole numbers, those of vertices of the cloth.")
+            raise ArgumentError(f"vertices={vertices!r} must be whole numbers, indices of vertices of the cloth.")
         wrong = chosen[(chosen < 0) | (chosen >= count)]
         if wrong.size:
-            raise ArgumentError(f"vertex {wrong[0]} is none of the cloth's, which are those from 0 to {count - 1}.")
+            raise ArgumentError(f"vertex {wrong[0]} does not exist; the cloth has the vertices 0 to {count - 1}.")
         return np.unique(chosen).astype(np.int64) + int(self.tables.array(CLOTH)[self.row(cloth), c.FIRST_PARTICLE])
 
 

@@ -28,14 +28,14 @@ class Rope(Deformable):
 
     @property
     def radius(self) -> float:
-        """M."""
+        """Radius, m."""
         return float(self._cloths.numbers(self, "radius")[0])
 
     @property
     def stiffness(self) -> tuple[float, float]:
         """Stiffness against stretching, N, and bending, N m^2, that is in use.
 
-        It is lower than what was asked for if the step is too long for it; a smaller step or more substeps raise it.
+        It is lower than that of the material if the step is too long for it; a smaller step or more substeps raise it.
         """
         stretch, _, bending = self._cloths.stiffness(self)
         return stretch, bending

@@ -1,10 +1,10 @@
 """Ropes: their points, segments and bending, in the terms of cloths.
 
-A segment is a triangle whose second corner is the third one, too: what finds pairs of vertices and triangles, and of edges,
-finds those of ropes. The curvature at an inner vertex is the difference of the tangents of both segments over the length l that
-belongs to the vertex, half of each. It is a linear function H x of the positions x, as each tangent is an edge over its length
-at rest, and the energy of bending is E I l |H x|^2 / 2, as that of cloth (`kickdrift.world.cloth.bending`): a turn by theta
-counts as 2 sin(theta / 2).
+A segment is a triangle whose second and third corners coincide: the search for pairs of vertices and triangles, and of edges,
+also finds those of ropes. The curvature at an inner vertex is the difference of the tangents of both segments over the length
+l that belongs to the vertex, half of each. It is a linear function H x of the positions x, as each tangent is an edge over
+its length at rest, and the energy of bending is E I l |H x|^2 / 2, as that of cloth (`kickdrift.world.cloth.bending`): a turn
+by theta counts as 2 sin(theta / 2).
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from kickdrift.world.cloth.vibration import highest
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_SHORT = 1e-6  # ratio of a segment's length to the longest one below which it has none
+_SHORT = 1e-6  # ratio of a segment's length to the longest one below which it counts as zero
 
 
 def rope_mesh(points: ArrayLike) -> ClothMesh:
@@ -27,7 +27,8 @@ def rope_mesh(points: ArrayLike) -> ClothMesh:
     Raises
     ------
     ArgumentError
-        For numbers that are not finite, fewer than two points, and consecutive ones in one place; the message names the point.
+        For numbers that are not finite, fewer than two points, and consecutive points that coincide; the message names the
+        point.
     """
     places = vertices_of(points, "points", "point")
     if len(places) < 2:

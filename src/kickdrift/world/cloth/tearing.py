@@ -58,7 +58,7 @@ def find_tears(tables: Tables, row: int) -> Split | None:
 
 
 def _apart(vertices: Integers, strain: Floats, corners: Integers) -> tuple[Integers, list[Integers]]:
-    """Return the vertices, in order of decreasing strain, that share no triangle with one before, and the triangles of each."""
+    """Return the vertices, by decreasing strain, that share no triangle with an earlier one, and the triangles of each."""
     faces = np.argsort(corners.ravel(), kind="stable") // 3
     ends = np.cumsum(np.bincount(corners.ravel()))
     taken = np.zeros(len(strain), dtype=bool)

@@ -10,7 +10,7 @@ from kickdrift.world.cloth import layout as c
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-MOST_PARTS = 64  # of a substep; a cloth that is so stiff that it needs more is made softer
+MOST_PARTS = 64  # of a substep; a cloth that would need more is made softer
 # With the phase w of a vibration per part, and damping d, kick and drift are stable for w^2 (1 + 2 d / part) < 4. The highest
 # modes of membrane and bending may coincide, so their squares are added. A margin is left, since stretched cloth is stiffer in
 # shear.
@@ -48,7 +48,7 @@ def tune(own: Integers, numbers: Floats, substep: float) -> None:
 def _granted(wanted: Floats, limit: float) -> Floats:
     """Divide a limit between two demands: return the fraction of each that is granted, (2,).
 
-    Each gets at least half of the limit, if it wants that, and what the other leaves.
+    Each gets at least half of the limit, if it needs as much, and whatever the other leaves.
     """
     first = min(wanted[0], max(0.5 * limit, limit - wanted[1]))
     given = np.array([first, min(wanted[1], limit - first)])

@@ -69,8 +69,8 @@ def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Float
 
     Notes
     -----
-    Curvature changes by H dx - c dn. The first term is that of a flat cloth; the change of the normal is bounded by
-    the gradient of the displacement, n x (opposite side) / (2 A) for each corner.
+    Curvature changes by H dx - c dn. The first term is that of a flat cloth; the change of the normal is bounded by the
+    gradient of the displacement, n x (opposite side) / (2 A) for each corner.
     """
     roots = np.sqrt(areas)[:, None, None]
     flat = highest(bending.rows * roots, bending.stencils, masses)

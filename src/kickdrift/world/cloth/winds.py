@@ -1,4 +1,4 @@
-"""Winds that users write as Python functions, as forces are; see `kickdrift.world.force_stage`."""
+"""Winds as Python functions of users, like forces; see `kickdrift.world.force_stage`."""
 
 import inspect
 

@@ -20,7 +20,7 @@ from kickdrift.world.tables import CONTACT, FORCE, INVERSE_MASS, PLACE, SETTINGS
 
 @compiled(inline=True)
 def acceleration(world: int, body: int) -> Vector:
-    """Acceleration of the centre of mass of a body by gravity and forces, m/s^2; zero of what they do not move."""
+    """Return the acceleration of the centre of mass of a body by gravity and forces, m/s^2; zero if they do not move it."""
     inverse = floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS]
     if inverse == 0.0:
         return 0.0, 0.0, 0.0
@@ -30,14 +30,14 @@ def acceleration(world: int, body: int) -> Vector:
 
 @compiled(inline=True)
 def weight_per_mass(world: int, body: int) -> float:
-    """How strongly gravity, or forces if they are greater, press a body on what holds it, m/s^2."""
+    """Return the acceleration with which gravity, or greater forces, press a body on its support, m/s^2."""
     gravity = length(vector_at(floats(world, SETTINGS), 0, GRAVITY))
     return max(gravity, length(acceleration(world, body)))
 
 
 @compiled(inline=True)
 def angular_acceleration(world: int, body: int) -> Vector:
-    """Angular acceleration of a body by torques, rad/s^2."""
+    """Return the angular acceleration of a body by torques, rad/s^2."""
     torque = vector_at(floats(world, FORCE), body, SUBSTEP_TORQUE)
     if torque[0] == 0.0 and torque[1] == 0.0 and torque[2] == 0.0:
         return torque
@@ -46,7 +46,7 @@ def angular_acceleration(world: int, body: int) -> Vector:
 
 @compiled(inline=True)
 def closing_acceleration(world: int, row: int) -> float:
-    """Bound how forces accelerate the shapes of a contact towards each other, m/s^2, one of which others may hold."""
+    """Bound the acceleration of the shapes of a contact towards each other by forces, m/s^2; one of them may be held."""
     contact, place = integers(world, CONTACT), floats(world, PLACE)
     a, b = contact[row, BODY_A], contact[row, BODY_B]
     of_a, of_b = acceleration(world, a), acceleration(world, b)
@@ -61,6 +61,6 @@ def closing_acceleration(world: int, row: int) -> float:
 
 @compiled(inline=True)
 def reach(place: Any, shape: int) -> float:
-    """How far a shape reaches from the centre of mass of its body."""
+    """Return the largest distance of a shape from the centre of mass of its body."""
     far: float = place[shape, RADIUS] + length(vector_at(place, shape, PLACE_POSITION))
     return far

@@ -144,7 +144,7 @@ def _note_parting(world: int, row: int) -> bool:
 
 @compiled
 def _has_room(world: int) -> bool:
-    """Whether there is room for the pairs found; asks for it if not."""
+    """Whether there is room for the pairs found; requests it if not."""
     search = integers(world, SEARCH)
     count = rows(world, CONTACT) + search[0, FOUND]
     if room(world, SCRATCH) < search[0, PAIRS_AT] + PAIR * search[0, FOUND]:

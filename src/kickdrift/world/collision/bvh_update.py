@@ -139,7 +139,7 @@ def _build_part_trees(world: int) -> bool:
 
 @compiled(inline=True)
 def _has_room(world: int, tree: Table, nodes: int, scratch: int) -> bool:
-    """Whether a tree and SCRATCH have room for so many rows; asks for it if not."""
+    """Whether a tree and SCRATCH have room for a number of rows; requests it if not."""
     if room(world, tree) < nodes:
         ask_for_room(world, tree, nodes)
         return False

@@ -1,8 +1,8 @@
-"""The boxes of shapes: what one may touch in a step lies in its box, and its pairs are updated when it leaves its fat bounds.
+"""The boxes of shapes: all that a shape may touch in a step lies in its box; pairs are updated when it leaves its fat bounds.
 
 The box of a shape holds its points, their way in the step, and a margin within which contacts are found before they
-touch. The fat bounds are larger by some slack on all sides and by some of the way ahead, so that resting bodies are never
-sought and what falls is sought every few steps. Shapes that cannot move have neither.
+touch. The fat bounds are larger by some slack on all sides and by some of the way ahead, so that pairs of resting bodies are
+never sought, and those of falling bodies every few steps. Shapes that cannot move have neither.
 """
 
 from typing import Any
@@ -80,7 +80,7 @@ def settle(world: int, shape: int, h: float) -> bool:
 
 @compiled
 def _box_of_path(world: int, shape: int, body: int, margin: float) -> Box:
-    """Return the box of a shape on the path of its body, however it turns, and of its fat bounds: no pair of before goes."""
+    """Return the box of a shape on the path of its body, for any rotation, and of its fat bounds: no earlier pair is lost."""
     predicted, far = floats(world, PREDICTED), reach(floats(world, PLACE), shape) + margin
     change, bounds = predicted[body, CHANGE_TIME], floats(world, BOUNDS)
     at = vector_at(floats(world, POSE), body, POSITION)
@@ -96,7 +96,7 @@ def _box_of_path(world: int, shape: int, body: int, margin: float) -> Box:
 
 @compiled
 def find_strays(world: int, strays: Any) -> int:
-    """Write shapes into a list that are not in their fat bounds as they stand now; return how many."""
+    """List the shapes that are outside their fat bounds at present; return their number."""
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     count = 0
     for k in range(rows(world, MOVERS)):
@@ -150,7 +150,7 @@ def _box_in_step(world: int, shape: int, h: float) -> tuple[Box, float, Vector]:
     gained = h * h * length(angular_acceleration(world, body))
     angle = h * length(spin) + gained
     sway = angle * size_about  # no point leaves the ball of that radius by turning
-    # Of the arc of its centre beyond the tangent, and of what torques add to that
+    # of the arc of its centre beyond the tangent, and of the displacement by torques
     bulge = length(arm) * min(0.5 * angle * angle + gained, 2.0)
     size = _FRACTION * max(max(box[3] - box[0], box[4] - box[1]), box[5] - box[2])
     margin = min(settings[0, MARGIN], size) + bulge

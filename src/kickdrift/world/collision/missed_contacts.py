@@ -1,10 +1,10 @@
-"""Contacts that were missed: what an impact makes fast within a step may meet what the search before it did not expect.
+"""Missed contacts: a body that an impact makes fast within a step may meet shapes that the search did not expect.
 
-At the end of a step it is known which bodies were elsewhere than expected, by more than the margin of the search: at its end,
-at ends of substeps, or at impacts. Where one of them may have met a shape of which the step had no points, the step is done
-again; the search knows then how these bodies move. What was found once stays found, so that each time more is known. Where
-paths have more corners than the search can know of, the step is halved (see `kickdrift.world.step.subdivision`), until no part
-misses any. What is missed in the shortest parts is said.
+At the end of a step it is known which bodies left their expected paths by more than the margin of the search: at the end, at
+ends of substeps, or at impacts. Where one of them may have met a shape without points of contact in the step, the step is
+repeated with a search that knows the paths of these bodies. Known paths stay known, so that each attempt knows more. Where
+paths have more corners than the search can represent, the step is halved (see `kickdrift.world.step.subdivision`), until no
+part misses a contact. A contact missed in the shortest parts causes a warning.
 """
 
 import math
@@ -96,7 +96,7 @@ _HALVINGS = 10  # of a step, at most
 
 @compiled
 def find_missed(t: float, h: float, world: int) -> None:
-    """Ask for the step to be done again if it has missed a contact."""
+    """Request that the step is repeated if it has missed a contact."""
     search, status, settings = integers(world, SEARCH), integers(world, STEP_STATUS), floats(world, SETTINGS)
     if not _find_errors(h, world):
         return
@@ -122,7 +122,7 @@ def find_missed(t: float, h: float, world: int) -> None:
 
 @compiled
 def _note_paths(h: float, world: int) -> bool:
-    """Note how bodies have moved that were not where they were expected; return whether any has not moved as before."""
+    """Note the motion of bodies that left their expected paths; return whether any has moved otherwise than before."""
     predicted, news = floats(world, PREDICTED), False
     for body in range(rows(world, BODY)):
         if predicted[body, POSITION_ERROR] > 0.0 or predicted[body, TURN_ERROR] > 0.0:
@@ -132,7 +132,7 @@ def _note_paths(h: float, world: int) -> bool:
 
 @compiled
 def drop_paths(t: float, h: float, world: int) -> None:
-    """Know no more of bodies than how they begin the next step, once nothing asks for this one to be done again."""
+    """Forget the paths of bodies, except how they begin the next step, once this step is not to be repeated."""
     for body in range(rows(world, BODY)):
         drop_path(world, body)
     integers(world, SEARCH)[0, TRIES] = 0
@@ -140,7 +140,7 @@ def drop_paths(t: float, h: float, world: int) -> None:
 
 @compiled
 def _find_errors(h: float, world: int) -> bool:
-    """Note how far bodies are from where they were expected; return whether any is by as much as contacts are sought."""
+    """Note the distances of bodies from their expected paths; return whether any exceeds the margin of the search."""
     body, predicted, found = integers(world, BODY), floats(world, PREDICTED), False
     margin = floats(world, SETTINGS)[0, MARGIN]
     for row in range(rows(world, BODY)):
@@ -148,7 +148,7 @@ def _find_errors(h: float, world: int) -> bool:
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
         off, farther = path_error(world, row), turn_error(h, world, row)
-        # What differs by less may be its rounding, or the bend of its path.
+        # Smaller differences may be rounding, or the curvature of the path.
         predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
         predicted[row, TURN_ERROR] = farther
         found = found or off > 0.5 * margin or farther > 0.1
@@ -157,13 +157,13 @@ def _find_errors(h: float, world: int) -> bool:
 
 @compiled
 def _find_body(world: int) -> int:
-    """Return a body that was not where it was expected and has come to a shape with which the step had no points, or -1."""
+    """Return a body off its expected path that has come to a shape with which the step had no points of contact, or -1."""
     contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
     for row in range(rows(world, CONTACT)):
         if contact[row, POINTS] != 0 or contact[row, CONTACT_STATE] & SENSOR != 0:
             continue
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-        # Who has come less deep into another shape than half of its size is pushed out again.
+        # A body less deep in another shape than half of its size is pushed out again.
         far = max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
         of_a, of_b = _off(world, a), _off(world, b)
         if of_a + of_b > far and may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
@@ -187,7 +187,7 @@ def _find_body(world: int) -> int:
 
 @compiled(inline=True)
 def _off(world: int, shape: int) -> float:
-    """Bound how far a point of a shape is from where it was expected."""
+    """Bound the distance of a point of a shape from its expected position."""
     predicted, body = floats(world, PREDICTED), integers(world, SHAPE)[shape, BODY_ROW]
     off: float = predicted[body, POSITION_ERROR]
     if predicted[body, TURN_ERROR] > 0.0:

@@ -1,9 +1,9 @@
-"""Paths on which bodies are expected to move in a step, from where the search for contacts knows what they may meet.
+"""Paths on which bodies are expected to move in a step, by which the search for contacts knows which shapes they may meet.
 
-A body is expected to fly as forces and gravity make it with the velocity that it begins the step with. Where impacts within the
-step made it so fast that a contact was missed, the step is done again (see `missed`), and the path is that of the attempt
-before, drawn as two parts: free flight from the start, and from the time on at which an impact changed the velocity, the free
-flight that ends where, and with the velocity with which, the attempt has ended.
+A body is expected to move under forces and gravity from its initial velocity in the step. Where impacts within the step made it
+so fast that a contact was missed, the step is repeated (see `missed`), and the path is that of the previous attempt in two
+parts: free flight from the start and, from the time on at which an impact changed the velocity, the free flight that ends
+with the position and velocity of that attempt.
 """
 
 from kickdrift.core.compilation import compiled
@@ -27,14 +27,14 @@ from kickdrift.world.tables import (
     rows,
 )
 
-HAS_CHANGE = column(PREDICTED)  # 1.0 while a step is done again in which the velocity has changed
-CHANGE_TIME = column(PREDICTED, 1, "s")  # when that was, since the start of the step
-END_POSE = column(PREDICTED, 7)  # where the attempt before has ended
+HAS_CHANGE = column(PREDICTED)  # 1.0 while a step in which the velocity has changed is repeated
+CHANGE_TIME = column(PREDICTED, 1, "s")  # time of that change since the start of the step
+END_POSE = column(PREDICTED, 7)  # position at the end of the previous attempt
 END_MOTION = column(PREDICTED, 6, "m/s, rad/s")
 POSITION_ERROR = column(PREDICTED, 1, "m")  # largest distance from the path in an attempt
 TURN_ERROR = column(PREDICTED, 1, "rad")  # by how much more the body has turned than was expected
 STRUCK = column(PREDICTED)  # 1.0 of bodies that a fast contact may strike
-WIDE_BOUNDS = column(PREDICTED)  # 1.0 in the step after: fat bounds hold the path, and are drawn anew
+WIDE_BOUNDS = column(PREDICTED)  # 1.0 in the next step: fat bounds contain the path, and are computed anew
 
 # Columns of SWEPT: the box around the positions of a body at impacts and at the ends of substeps
 LEAST, MOST = column(SWEPT, 3, "m"), column(SWEPT, 3, "m")
@@ -42,7 +42,7 @@ LEAST, MOST = column(SWEPT, 3, "m"), column(SWEPT, 3, "m")
 
 @compiled
 def path(world: int, body: int, when: float) -> tuple[Vector, Quaternion]:
-    """Return where a body is on its path, a time after the start of the step."""
+    """Return the position of a body on its path, a time after the start of the step."""
     pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
     if predicted[body, HAS_CHANGE] != 0.0 and when >= predicted[body, CHANGE_TIME]:
         back = when - floats(world, SETTINGS)[0, STEP]
@@ -66,7 +66,7 @@ def velocity_then(world: int, body: int, when: float) -> Vector:
 
 @compiled(inline=True)
 def fastest_turn(world: int, body: int) -> float:
-    """Bound how fast a body turns on its path."""
+    """Bound the angular speed of a body on its path."""
     predicted, turn = floats(world, PREDICTED), length(vector_at(floats(world, MOTION), body, 3))
     if has_change(world, body):
         turn = max(turn, length(vector_at(predicted, body, END_MOTION + 3)))
@@ -91,7 +91,7 @@ def has_change(world: int, body: int) -> bool:
 
 @compiled
 def way_on_path(world: int, body: int) -> float:
-    """Bound how far a body gets on its path from where it is."""
+    """Bound the distance of a path from the present position of its body."""
     predicted, step = floats(world, PREDICTED), floats(world, SETTINGS)[0, STEP]
     change = predicted[body, CHANGE_TIME]
     at, _ = path(world, body, change)
@@ -104,7 +104,7 @@ def way_on_path(world: int, body: int) -> float:
 
 @compiled
 def note_path(h: float, world: int, body: int) -> bool:
-    """Note how a body has moved in the attempt at a step that is to be done again; return whether it was another way before."""
+    """Note the motion of a body in an attempt at a step that will be repeated; return whether it differs from the last one."""
     pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
     news: bool = predicted[body, HAS_CHANGE] == 0.0
     start, before = vector_at(floats(world, STARTED_POSE), body, 0), vector_at(floats(world, STARTED_MOTION), body, 0)
@@ -125,7 +125,7 @@ def note_path(h: float, world: int, body: int) -> bool:
 
 @compiled
 def begin_paths(t: float, h: float, world: int) -> None:
-    """Begin the boxes around the paths of bodies where they are."""
+    """Begin the boxes around the paths of bodies at their present positions."""
     pose, swept, predicted = floats(world, POSE), floats(world, SWEPT), floats(world, PREDICTED)
     for body in range(rows(world, SWEPT)):
         predicted[body, POSITION_ERROR] = 0.0
@@ -135,7 +135,7 @@ def begin_paths(t: float, h: float, world: int) -> None:
 
 @compiled
 def follow_paths(t: float, h: float, world: int) -> None:
-    """Note where bodies have come to at the end of a substep."""
+    """Note the positions of bodies at the end of a substep."""
     body = integers(world, BODY)
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0:
@@ -144,7 +144,7 @@ def follow_paths(t: float, h: float, world: int) -> None:
 
 @compiled
 def note_position(world: int, body: int) -> None:
-    """Widen the box around the path of a body by its present position, and note how far that is from where it was expected."""
+    """Widen the box around the path of a body to its present position, and note the distance from its expected position."""
     predicted, swept, at = floats(world, PREDICTED), floats(world, SWEPT), vector_at(floats(world, POSE), body, 0)
     for k in range(3):
         swept[body, LEAST + k] = min(swept[body, LEAST + k], at[k])
@@ -154,7 +154,7 @@ def note_position(world: int, body: int) -> None:
 
 @compiled
 def _off_path(world: int, body: int, at: Vector) -> float:
-    """Distance of a position from the path on which a body was expected; what is stopped is on it."""
+    """Return the distance of a position from the expected path of a body; stopped bodies are on it."""
     before, after = _corners(world, body)
     off = _distance(at, vector_at(floats(world, STARTED_POSE), body, 0), before)
     if has_change(world, body):
@@ -164,7 +164,7 @@ def _off_path(world: int, body: int, at: Vector) -> float:
 
 @compiled
 def _corners(world: int, body: int) -> tuple[Vector, Vector]:
-    """Return where the first part of a path ends, and where the second one begins."""
+    """Return the end of the first part of a path, and the beginning of the second one."""
     predicted, change = floats(world, PREDICTED), floats(world, SETTINGS)[0, STEP]
     start, gained = vector_at(floats(world, STARTED_POSE), body, 0), acceleration(world, body)
     back = 0.0
@@ -177,7 +177,7 @@ def _corners(world: int, body: int) -> tuple[Vector, Vector]:
 
 @compiled
 def path_error(world: int, body: int) -> float:
-    """Return how far a body was from its path; if that has a jump, the body was somewhere else meanwhile."""
+    """Return the distance of a body from its path; if the path has a jump, the body was elsewhere in between."""
     error: float = floats(world, PREDICTED)[body, POSITION_ERROR]
     if has_change(world, body):
         before, after = _corners(world, body)
@@ -197,7 +197,7 @@ def turn_error(h: float, world: int, body: int) -> float:
 
 @compiled(inline=True)
 def _distance(point: Vector, start: Vector, end: Vector) -> float:
-    """Distance of a point from the line from one point to another."""
+    """Return the distance of a point from the line from one point to another."""
     along, to = minus(end, start), minus(point, start)
     part = min(max(dot(to, along) / max(dot(along, along), 1e-300), 0.0), 1.0)
     off: float = length(minus(to, times(part, along)))
@@ -206,6 +206,6 @@ def _distance(point: Vector, start: Vector, end: Vector) -> float:
 
 @compiled(inline=True)
 def drop_path(world: int, body: int) -> None:
-    """Expect of a body what forces do with it; bounds that hold its path are drawn anew in the next step."""
+    """Expect a body to move under forces alone; bounds that contain its path are computed anew in the next step."""
     predicted = floats(world, PREDICTED)
     predicted[body, WIDE_BOUNDS], predicted[body, HAS_CHANGE] = predicted[body, HAS_CHANGE], 0.0

@@ -25,13 +25,13 @@ from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
 from kickdrift.world.tables import BODY, GEOMETRY, PLACE, PLACED, POSE, PREDICTED, SHAPE, SWEPT, flat, floats, integers
 
-# Of the radius around the smaller of two shapes: so deep it may come into the other, and is pushed out to where it was.
+# Of the radius around the smaller of two shapes: the depth up to which it is pushed out of the other to where it came from.
 _PUSHED_OUT = 0.25
 
 
 @compiled
 def may_meet(world: int, a: int, part: int, b: int) -> bool:
-    """Whether one shape may have come deep into another; the first may be a plane, or a mesh of which one part counts."""
+    """Whether one shape may have come deep into another; the first may be a plane, or a part of a mesh."""
     sort, depth = sort_of(world, a), _shallow(world, a, b)
     if sort == HALF_SPACE:
         return reaches_under(world, a, swept_box(world, b, depth))
@@ -46,14 +46,14 @@ def may_meet(world: int, a: int, part: int, b: int) -> bool:
 
 @compiled(inline=True)
 def _shallow(world: int, a: int, b: int) -> float:
-    """Return how deep a shape may come into another one and be pushed out again to where it came from, m."""
+    """Return the depth up to which a shape is pushed out of another one to where it came from, m."""
     place = floats(world, PLACE)
     return _PUSHED_OUT * smallest(place[a, RADIUS], place[b, RADIUS])
 
 
 @compiled
 def swept_box(world: int, shape: int, depth: float) -> Box:
-    """Return the box around where a shape has been in the step; less its outer layer, of that depth."""
+    """Return the box around all positions of a shape in the step, less an outer layer of that depth."""
     place, placed = floats(world, PLACE), floats(world, PLACED)
     body = integers(world, SHAPE)[shape, BODY_ROW]
     own = _shrunk(extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)), depth)

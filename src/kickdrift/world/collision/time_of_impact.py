@@ -1,9 +1,9 @@
-"""Fast pairs: shapes that may pass through each other, or by each other, within a step are looked at where they are nearest.
+"""Fast pairs: contacts of shapes that may pass through or by each other within a step are found at their closest approach.
 
 Conservative advancement (Mirtich 1996): from a gap s that closes at most at a speed u that grows at most at a rate a, nothing
 happens before the time t with u t + a t^2 / 2 = s.
-The points of the pose in which shapes touch are those of the step: they turn with their bodies, and come together there. The
-normal is the one that shapes then have.
+The contact points of the step are those of the pose in which the shapes touch: they move with their bodies, and meet in that
+pose. The normal is that of the shapes then.
 """
 
 import math
@@ -71,7 +71,7 @@ _PART = 0.1  # of the radius of a shape, by which it goes on where a triangle le
 
 @compiled
 def find_impacts(t: float, h: float, world: int) -> None:
-    """Find the points of the contacts that `find_points` has left because their shapes are too fast."""
+    """Find the points of the contacts that `find_points` has left out because their shapes are too fast."""
     contact, manifold, settings = integers(world, CONTACT), floats(world, MANIFOLD), floats(world, SETTINGS)
     tried = integers(world, SEARCH)[0, TRIES] > 0
     for row in range(rows(world, CONTACT)):
@@ -86,7 +86,7 @@ def _advance(world: int, row: int, way: float) -> None:
     a, b = contact[row, BODY_A], contact[row, BODY_B]
     spin = _spin(world, contact[row, SHAPE_A], a) + _spin(world, contact[row, SHAPE_B], b)
     place = floats(world, PLACE)
-    # Nearer than this they touch; what passes at a greater distance is not hit.
+    # Nearer than this they touch; shapes that pass at a greater distance are not hit.
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
     step, pushed = settings[0, STEP], closing_acceleration(world, row)
     when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
@@ -96,7 +96,7 @@ def _advance(world: int, row: int, way: float) -> None:
         if contact[row, POINTS] == 0:
             if not on_surface or when >= step:
                 return
-            # Off its face a triangle leaves contacts to its neighbours, however near they are: go on to its plane, and past.
+            # Beside its face a triangle leaves contacts to its neighbours, at any distance: advance to its plane, and past it.
             gap, normal = _gap_of_plane(world, row, at)
             closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
             until = next_change(world, b, when, next_change(world, a, when, step))
@@ -112,12 +112,12 @@ def _advance(world: int, row: int, way: float) -> None:
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
         when = min(when + left, until)
-    # What acts on them, other contacts too, may lead to where nothing is met that would be without.
+    # Forces and other contacts may turn them away from a contact that they would otherwise have.
     if gap > max(settings[0, MARGIN], step * step * pushed):
         contact[row, POINTS] = 0
     if when > 0.0 and contact[row, POINTS] != 0:
         _bring_back(world, row, when)
-        # The plane of a face to which shapes come from behind it would hold them back at once.
+        # The plane of a face that shapes approach from behind would stop them at once.
         if _gap_at_start(world, row) < -near - spin * when:
             contact[row, POINTS] = 0
 
@@ -150,14 +150,14 @@ def _gap_of_plane(world: int, row: int, at: Vector) -> tuple[float, Vector]:
 
 @compiled
 def _spin(world: int, shape: int, body: int) -> float:
-    """Bound how fast points of a shape move by the rotation of its body."""
+    """Bound the speed of points of a shape by the rotation of its body."""
     turn = fastest_turn(world, body)
     return turn * reach(floats(world, PLACE), shape) if turn > 0.0 else 0.0
 
 
 @compiled
 def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, Quaternion]:
-    """Return where a shape will be a time after the start of the step if only gravity and forces act on it."""
+    """Return the pose of a shape a time after the start of the step if only gravity and forces act on it."""
     place = floats(world, PLACE)
     at, q = path(world, body, when)
     at = plus(at, turned(q, vector_at(place, shape, PLACE_POSITION)))
@@ -188,7 +188,7 @@ def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float,
 
 @compiled
 def _bring_back(world: int, row: int, when: float) -> None:
-    """Write the normal that was found for a time in the step as one of its start, and round shapes' points with it."""
+    """Transform the normal found for a time in the step, and the points of round shapes, to the start of the step."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     at_a, frame_a = placed_pose(world, contact[row, SHAPE_A])
     at_b, frame_b = placed_pose(world, contact[row, SHAPE_B])

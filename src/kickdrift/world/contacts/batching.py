@@ -15,7 +15,7 @@ from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, int
 OWN_BATCH = column(MEMBERSHIP)  # while islands are found: its parent in the disjoint sets
 ISLAND_WEIGHT = column(MEMBERSHIP)  # for the first body of an island: the number of its bodies and contacts
 
-# Bodies and contacts, of some 900 bytes each: what a substep reads of them fits into half a megabyte.
+# Bodies and contacts, of some 900 bytes each: the data that a substep reads fit into half a megabyte.
 _MOST = 512
 FEW = 1000  # bodies, up to which a whole world fits into the cache
 CROWD = (

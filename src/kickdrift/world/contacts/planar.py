@@ -1,8 +1,8 @@
-"""Contacts of a planar world: what a contact whose normal is not in the plane does within it.
+"""Contacts of a planar world: the effect within the plane of contacts whose normals are oblique to it.
 
-Bodies move at right angles to the normal p of the plane, so that of a contact's normal n = c n' + s p they feel n' alone. A gap
-g between them is g / c long along n'. Points and surfaces press with N' / c where they push with N' along n'; the guides that
-keep bodies in the plane bear the rest, and friction is greater by as much, as that of a wedge in a groove.
+Bodies move at right angles to the normal p of the plane, so that of a contact's normal n = c n' + s p only n' acts on their
+motion. A gap g between them has the length g / c along n'. A push N' along n' is a normal force N' / c; the guides that keep
+bodies in the plane bear the rest, and friction is greater by 1 / c, like that of a wedge in a groove.
 """
 
 import math
@@ -14,7 +14,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 
 _W = c.WIDTH
-_WITHIN = 1e-9  # of a normal across the plane, below which it is rounding
+_WITHIN = 1e-9  # component of a normal across the plane, below which it is rounding
 # Cosine c below which a contact is a floor: bodies lie on it, with friction, and glide over it whatever its slope
 _FLOOR = 0.05
 # Bodies do not sink into floors to where a spring carries them: with one, balls slide with 0.275 for a coefficient of 0.3.
@@ -24,7 +24,7 @@ _ROLLS = 1e-6  # sine of the angle between the axis of a cylinder or cone and p,
 
 @compiled
 def flatten_contact(raw: Any, plane: Vector) -> None:
-    """Turn what was gathered of a contact into what it is within the plane with this normal."""
+    """Transform the gathered data of a contact to the plane with this normal."""
     normal = _vector(raw, r.NORMAL)
     across = dot(plane, normal)
     if abs(across) <= _WITHIN:
@@ -106,9 +106,9 @@ def _apart(raw: Any, k: int) -> Vector:
 def _flatten_point(raw: Any, k: int, plane: Vector, flat: Vector, cosine: float, across: float) -> float:
     """Make radii and gap of a point those in the plane, and return the cosine where it touches.
 
-    Of balls and capsules only the part c of the radius lies in the plane. Where one touches what has a face or an edge, that
-    one's point is moved along it to the depth at which they touch. Two touch where their cores are as far apart in the plane
-    as their depths leave it.
+    Of balls and capsules only the part c of the radius lies in the plane. Where one touches a face or an edge, the point of
+    that shape is moved along it to the depth at which they touch. Two round shapes touch where the distance of their cores in
+    the plane is that which their depths leave.
     """
     at = c.ANCHOR_SIZE * k
     radii = (r.RADII + at) * _W
@@ -133,7 +133,7 @@ def _flatten_point(raw: Any, k: int, plane: Vector, flat: Vector, cosine: float,
 
 @compiled
 def _lay_on_floor(raw: Any, k: int, normal: Vector, flat: Vector) -> None:
-    """Let a point of a floor touch where it overlaps, which nothing in the plane can end."""
+    """Set the gap of an overlapping point of a floor to zero, since no motion in the plane can end the overlap."""
     at = c.ANCHOR_SIZE * k
     radii = raw[(r.RADII + at) * _W] + raw[(r.RADII + at + 1) * _W]
     apart = _apart(raw, k)

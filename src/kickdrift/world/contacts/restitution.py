@@ -53,9 +53,9 @@ from kickdrift.world.tables import (
 _ROUNDS = 310
 # Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
 _APART = 300
-_SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave 5e-5 of what there is to do, for a mass ratio of 1000
-_SLOW = 1e-6  # of the fastest impact of a substep: less is nothing
-_ROUGH = 1e-3  # likewise: what is left of more than that is said, if it comes to a tenth of the slop in the substep
+_SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave a relative residual of 5e-5, for a mass ratio of 1000
+_SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
+_ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FAR = 1e10  # m, as a gap
 _MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
@@ -189,7 +189,8 @@ def slowest_bounce(h: float, world: int, row: int) -> float:
     slowest: float = settings[0, BOUNCE_SPEED]
     if slowest >= 0.0:
         return slowest
-    # Resting bodies gain less than that in a few substeps. Forces count as gravity does: what they press would bounce for ever.
+    # Resting bodies gain less than that in a few substeps. Forces count like gravity: bodies pressed by them would bounce for
+    # ever.
     return 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), _pressing_acceleration(world, row))
 
 

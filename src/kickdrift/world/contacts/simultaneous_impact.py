@@ -201,7 +201,7 @@ def pushed(hit: Any) -> float:
 
 @compiled
 def find_impulses(world: int, sweeps: int) -> None:
-    """Find and apply the impulses of a round, in so many sweeps at most; the next round finds what they leave."""
+    """Find and apply the impulses of a round, in a limited number of sweeps; the next round resolves the rest."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     scale = 0.0
     for _ in range(sweeps):

@@ -81,7 +81,7 @@ def solve_island(
     h, ahead : float
         Substep, and the time for which the new velocities act: h, 0 for a projection, -1 for position changes; s.
     task : int
-        What contacts do: `PRESS`, `REST`, `BOUNCE` or `SMOOTH_BOUNCE`.
+        The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `SMOOTH_BOUNCE`.
     first : bool
         Whether the pieces of laws are assumed afresh.
     touched : bool

@@ -1,11 +1,11 @@
 """Energy that an island loses or gains over many steps, too little in each to be noticed.
 
 The energy of an island on which nothing but gravity acts is conserved. A step that is too long lets it drift: its energy is
-compared with that at the beginning, for as long as nothing else acts on it. What has contacts, damping, forces, or motors,
-limits, springs or friction that act begins anew after them, and so does what users place or push between two steps.
+compared with that at the beginning, for as long as nothing else acts on it. The comparison begins anew after contacts, damping,
+forces, or active motors, limits, springs or friction, and after users have placed or pushed a body between two steps.
 
-The kick comes before the drift: what a substep conserves is the energy half a kick later, E + h/2 sum m g . v; in free flight
-it is E (`kickdrift.world.joints.free_fall`). A loss is what is missing from both. Where substeps change in length,
+The kick comes before the drift: a substep conserves the energy half a kick later, E + h/2 sum m g . v; in free flight
+it is E (`kickdrift.world.joints.free_fall`). Only energy that is missing from both is a loss. Where substeps change in length,
 h/2 sum m g . v jumps, and the loss leaves these jumps out.
 """
 
@@ -52,11 +52,12 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Fraction of its energy by which an island may differ from how the last step left it, and be still the same.
+# Fraction of its energy by which an island may differ from its state after the last step and still count as unchanged.
 _SAME = 1e-6
 
-# Islands are judged once their speed has been this many times what gravity adds in a step: what hangs at rest is not. What
-# oscillates with the kicks, to second order in that of one of four substeps, is then about 1 % of the energy at most.
+# Islands are judged once their speed has been this many times the speed that gravity adds in a step: hanging islands at rest
+# are not. The oscillation with the kicks, to second order in that of one of four substeps, is then about 1 % of the energy at
+# most.
 _SLOW = 2.0
 
 # Weight of a step in the mean of losses: where the light end of a chain cracks like a whip, its energy is off by 2 % for a few.
@@ -67,7 +68,7 @@ _WEIGHT = 0.125
 def drift_of_energy(island: int, t: float, h: float, world: int) -> float:
     """Return the fraction of its energy that an island without contacts has lost since it was last acted upon.
 
-    Negative for a gain. What it takes to know this is kept with the first of its joints.
+    Negative for a gain. The data for this are kept with the first joint of the island.
     """
     numbers, keeper = floats(world, JOINT_NUMBERS), _keeper(island, world)
     if not _is_conservative(island, world):
@@ -145,7 +146,7 @@ def _is_conservative(island: int, world: int) -> bool:
 
 @compiled(cached=False)
 def _energies(island: int, half: float, velocities: Table, poses: Table, world: int) -> tuple[float, float, float]:
-    """Return the kinetic energy of an island, its total energy, and what it lags behind by half a kick, J."""
+    """Return the kinetic energy of an island, its total energy, and the energy by which it lags half a kick, J."""
     own, gravity = integers(world, ISLAND)[island], vector_at(floats(world, SETTINGS), 0, GRAVITY)
     speeds, places, kinetic, potential, lag = floats(world, velocities), floats(world, poses), 0.0, 0.0, 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):

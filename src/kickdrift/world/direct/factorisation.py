@@ -1,8 +1,8 @@
 """The matrix of an island, eliminated node by node.
 
-What is solved is H v = b for the changes v of the velocities of all nodes, six numbers each: H holds the inertia of the bodies
-and, of each row of a contact or of a closing joint that takes part, its stiffness times its two wrenches, J^T D J. Joints
-of the tree are no rows: a link moves as its parent does but for the open axes, so that its own velocity is replaced,
+The equations are H v = b for the changes v of the velocities of all nodes, six numbers each. H is the sum of the inertia of the
+bodies and, for each active row of a contact or of a closing joint, its stiffness times its two wrenches, J^T D J. Joints of the
+tree are not rows: a link moves with its parent except along the open axes, so that its own velocity is replaced,
 v = X (v of the parent) + open axes, and its row of the matrix added to that of its parent by X^T. Without contacts that is the
 articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 7.3), exact for locked axes at any ratio
 of masses and linear in the number of joints; neighbours that contacts and loops add are carried along as fill, as in any
@@ -63,7 +63,7 @@ from kickdrift.world.tables import BLOCK, ISLAND, JOINT_NUMBERS, LINK, LINK_NUMB
 
 @compiled(inline=True, cached=False, fast=True)
 def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple[Vector, Vector]:
-    """From the centre of mass of a link and of its parent to their joint."""
+    """Return the vectors from the centres of mass of a link and of its parent to their joint."""
     if sign > 0:
         return vector_at(table, row, column_b), vector_at(table, row, column_a)
     return vector_at(table, row, column_a), vector_at(table, row, column_b)
@@ -111,7 +111,7 @@ def _eliminate_link(node: int, world: int) -> None:
 
 @compiled(cached=False, fast=True)
 def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: Vector, world: int) -> None:
-    """Couple the parent of a link to a neighbour as the link was."""
+    """Couple the parent of a link to a neighbour of the link."""
     blocks = floats(world, BLOCK)
     if neighbour == parent:
         table, target = floats(world, LINK_NUMBERS), integers(world, NODE)[parent, LINK_ROW]
@@ -133,7 +133,7 @@ def _is_closed(node: int, world: int) -> bool:
 
 @compiled(cached=False, fast=True)
 def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: int, world: int) -> None:
-    """Eliminate an open axis of a joint from the inertia of what is attached to it, and from its coupling to neighbours."""
+    """Eliminate an open axis of a joint from the inertia of the bodies attached to it, and from its coupling to neighbours."""
     work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
     axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
     half = 0 if k < 3 else 3
@@ -179,7 +179,7 @@ def _subtract_product(
 
 @compiled(cached=False, fast=True)
 def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: int, world: int) -> None:
-    """Take from the block of two neighbours the product of what couples a node to the one and to the other.
+    """Subtract from the block of two neighbours the product of the blocks that couple a node to both.
 
     The blocks are 6 x `inner` and `inner` x 6, from the columns `left` and `right` on.
     """

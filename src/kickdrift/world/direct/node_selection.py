@@ -163,7 +163,7 @@ def mass_of(island: int, world: int) -> float:
 
 @compiled(inline=True)
 def has_room(world: int, table: Table, count: int) -> bool:
-    """Whether a table has room for so many rows; asks for it if not."""
+    """Whether a table has room for a number of rows; requests it if not."""
     if count > room(world, table):
         ask_for_room(world, table, count)
         return False

@@ -4,9 +4,9 @@ At the start of a substep, when joints are satisfied, in rounds: all points that
 bounce speed get -e times their speed, together with points of the same manifold that would hit in the next substep, so that
 bodies that land flat do not turn; then the points that these push onto others, until none hits. Points that hit even after
 `_ROUNDS` rounds, as of a body that is thrown to and fro between others, are left to the solution of the substep, which stops
-them, as with e = 0. Points without restitution hit
-in islands that a contact strikes which is so fast that a substep carries shapes on by more than half of the smaller one: at its
-end they might have turned through what they met, as the solution of a substep takes arms to be constant. Smith, Kaufman, Vouga,
+them, as with e = 0. Points without restitution also hit in islands struck by a contact so fast that its shapes move by more
+than half of the smaller one in a substep: at its end they might have turned through each other, since the solution of a substep
+assumes constant arms. Smith, Kaufman, Vouga,
 Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 

@@ -1,11 +1,11 @@
 """Heaps that the sweeps do not bring to rest: small ones are solved directly from then on.
 
-A sweep carries an impulse from one contact to the next, so that a load ten or a hundred times as heavy as what it stands on, a
-plate on which many boxes stand, or a tall tower wants more sweeps than a step has. What is left shows in the velocities: points
-that press on each other part or approach. A body with such points in some steps, one after the other, is *unsolved*, and so is
-its heap: all bodies that contacts hold together. A single body is no heap.
+A sweep carries an impulse from one contact to the next, so that a load ten or a hundred times as heavy as its support, a plate
+under many boxes, or a tall tower needs more sweeps than a step has. The velocities show the residual: points that press on each
+other separate or approach. A body with such points in several consecutive steps is *unsolved*, and so is its heap: all bodies
+that contacts hold together. A single body is not a heap.
 
-A step that leaves a small heap far from solved is done again, with the heap solved directly: in two steps of sweeps a tower
+A step that leaves a small heap far from solved is repeated, with the heap solved directly: in two steps of sweeps a tower
 of ten cubes, each 1.5 times as large as the one below, leans so far that it falls.
 """
 
@@ -49,9 +49,9 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Steps after which a heap is unsolved if it has few bodies; so many bodies more want one step more; a step in which a body is
-# far from solved counts for so many. A direct solution of 55 boxes takes thirty times as long as the sweeps, whose pyramid
-# comes to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
+# Steps after which a heap of few bodies is unsolved; number of further bodies for each further step; number of steps for which
+# a step counts that leaves a body far from solved. A direct solution of 55 boxes takes thirty times as long as the sweeps,
+# whose pyramid comes to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
 _PATIENCE, _MORE, _HASTE = 6, 4, 6
 
 # Of the reach of a body: if gravity and forces move it by more in a step, its heap does not wait. Sweeps let a tower of five
@@ -59,12 +59,12 @@ _PATIENCE, _MORE, _HASTE = 6, 4, 6
 # tenth.
 _FALL = 0.25
 
-# Bodies of a heap that a direct solution is worth, in worlds of up to CROWD free bodies: a pile of 1000 boxes falls apart into
-# small heaps, which would take thirty times as long. And the count of those that are solved directly.
+# Largest number of bodies of a heap that is solved directly, in worlds of up to CROWD free bodies: a pile of 1000 boxes falls
+# apart into small heaps, which would take thirty times as long. And the count of those that are solved directly.
 LARGEST, _FOUND = 64, 1 << 16
 
-# Seconds after which it is said that a body is left unsolved: of one in a heap that is too large for a direct solution. 1024
-# cubes that fall into a heap are for 5 s before they come to rest.
+# Seconds after which a warning says that a body is left unsolved, in a heap that is too large for a direct solution. 1024 cubes
+# that fall into a heap are unsolved for 5 s before they come to rest.
 TOO_LONG = 6.0
 
 
@@ -103,7 +103,7 @@ def _falls_far(h: float, world: int, row: int) -> bool:
 
 @compiled
 def _forget_impulses(world: int) -> None:
-    """Let contacts of bodies that go back to the sweeps begin with no impulses.
+    """Let contacts of bodies that return to the sweeps begin without impulses.
 
     In a world that has become a crowd, sweeps throw a light body at 50 m/s from those that bore 10,000 times its weight; where
     the load is taken away, at 1 m/s from those that bore 1000 times its weight.
@@ -170,7 +170,7 @@ def _join_heaps(h: float, world: int) -> None:
 
 @compiled
 def ask_again(t: float, h: float, world: int) -> None:
-    """Ask for the step to be done again, once, if the sweeps have left a small heap far from solved."""
+    """Request that the step is repeated, once, if the sweeps have left a small heap far from solved."""
     body, status = integers(world, BODY), integers(world, STEP_STATUS)
     any_far = False
     for row in range(rows(world, BODY)):
@@ -199,7 +199,7 @@ def _is_far_left(world: int, row: int) -> bool:
 def count_unsolved(t: float, h: float, world: int) -> None:
     """Count for how many steps bodies were left unsolved; those solved directly stay so until they touch nothing.
 
-    Those that sleep stay what they are, so that a heap which awakes is solved as it was.
+    Sleeping bodies keep their count, so that a heap that wakes is solved as before.
     """
     body = integers(world, BODY)
     integers(world, STEP_STATUS)[0, REPEATED] = 0

@@ -1,1 +1,1 @@
-"""Joints: what holds bodies together."""
+"""Joints: connections between bodies."""

@@ -1,17 +1,17 @@
-"""What happens along an open axis: limits, motor, drive and dry friction as one law between impulse and speed.
+"""Laws of open axes: limits, motor, drive and dry friction as one relation between impulse and speed.
 
-The law is a graph that falls from the left to the right: a limit, a motor and friction are upright pieces at their speeds, a
-drive is a slope between its maxima, and all add up. Together with a straight line that rises, speed = free speed + mobility x
-impulse, it has one solution. Which piece that lies on is what a joint assumes of its law; the articulation is solved with
-the pieces assumed, and solved again as long as a solution lies on other ones (an active-set, or semi-smooth Newton, method).
-Upright pieces are all but upright then: the solution is begun again with their impulses until it makes no difference.
+The graph of the law, impulse over speed, falls: a limit, a motor and friction are upright pieces at their speeds, a drive is a
+slope between its maxima, and all add up. With a straight line that rises, speed = free speed + mobility x impulse, it has one
+intersection. A joint assumes the piece on which this lies; the articulation is solved with the assumed pieces, and solved again
+as long as a solution lies on other ones (an active-set, or semi-smooth Newton, method). Upright pieces are then replaced by
+steep ones, and the solution is repeated with their impulses until these no longer change.
 
 A drive acts by the position and the speed that it will have,
 
     impulse = -h (k (x + h ((alpha + beta) s' - beta s)) + c (s' - s*)),
 
 with s before and s' after the substep, beta = (1 - alpha) / 4 and alpha = r^2 / (1 + r^2), r = h^2 k / m. With alpha = 0 that
-is Newmark's method of average acceleration: symplectic, stable for any stiffness, and free of damping that is not asked for.
+is Newmark's method of average acceleration: symplectic, stable for any stiffness, and free of numerical damping.
 Only drives too stiff for the substep, which no integrator of this order could follow, are damped: alpha = 1 is implicit
 Euler, which brings them to rest. Newmark, J. Eng. Mech. Div. 85 (1959) 67; Kane et al., Int. J. Numer. Meth. Eng. 49 (2000)
 1295 for the symplecticity.
@@ -24,16 +24,16 @@ from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.kinematics import shares_friction
 from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBERS, floats, integers
 
-# Impulse of an upright piece per speed missing, over the mass that it moves. What is left is put right by solutions that begin
-# with its impulse.
+# Impulse of an upright piece per error of speed, over the mass that it moves. The remaining error is removed by solutions that
+# begin with its impulse.
 _RIGID = 1e6
 
-# How fast what is beyond a limit returns to it, m/s or rad/s: by a few hundredths of a radian in a substep, which joints can
-# follow. Limits are passed where they are set so, as by a robot whose knees are straight, which its joints do not allow. Along
-# lines it is the same number, whatever the size of the bodies: ropes may be wound up with it, and nothing keeps the speed.
+# Speed at which a joint beyond a limit returns to it, m/s or rad/s: a few hundredths of a radian in a substep, which joints can
+# follow. A joint is beyond a limit if it was created there, as the straight knees of a robot whose limits exclude them. Along
+# lines the number is the same for bodies of any size: ropes may be wound up with it, and the speed is not kept.
 _RETURN = 5.0
 
-# What the direction of friction may be off by
+# Error of the direction of friction that is accepted
 _TURNED = 1e-3
 
 # Codes of pieces: upright ones, and others, which are _OPEN and three digits to the base 3
@@ -123,7 +123,7 @@ def solution(
 
 @compiled(inline=True, cached=False)
 def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, float]:
-    """Impulse of a drive: constant, slope, maximum; see the top of this file."""
+    """Return the impulse of a drive: constant, slope, maximum; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
     stiffness, damping = laws[row, j.DRIVE_STIFFNESS], laws[row, j.DRIVE_DAMPING]
@@ -151,7 +151,7 @@ def _piece(
     lower, upper = laws[row, j.LOWER_LIMIT] - at, laws[row, j.UPPER_LIMIT] - at
     back = h * _RETURN
     lower, upper = min(lower, back), max(upper, -back)
-    if relaxing:  # what has been passed is left as it is, and the drive is the one that it was before the drift
+    if relaxing:  # limits that were passed do not change, and the drive is that from before the drift
         lower, upper = min(lower, 0.0), max(upper, 0.0)
         constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
     else:
@@ -174,8 +174,8 @@ def _friction(joint: int, link: int, k: int, h: float, world: int) -> float:
 def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool, world: int) -> bool:
     """Share the friction of a ball joint among its axes, as it bounds the size of the torque; return whether nothing changes.
 
-    As that of contacts it acts along the impulse that would hold the joint, found with the solution at hand, or with the one
-    before, once it is bounded.
+    Like that of contacts, it acts along the impulse that would hold the joint, found with the current solution or, once it is
+    bounded, with the previous one.
     """
     work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     if first:
@@ -208,7 +208,7 @@ def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool
 
 @compiled(cached=False)
 def law_impulse(joint: int, k: int, link: int, h: float, relaxing: bool, moved: float, world: int) -> float:
-    """Impulse that a law gives, beyond the one before the solution, where the speed has changed by `moved`."""
+    """Return the impulse that a law adds to the one before the solution, where the speed has changed by `moved`."""
     work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, j.JOINT_IMPULSE + k]
     mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY] / _RIGID
     speed, base = work[link, j.AXIS_SPEED + k] + moved, work[link, j.LAW_BASE + k]
@@ -219,9 +219,9 @@ def law_impulse(joint: int, k: int, link: int, h: float, relaxing: bool, moved: 
 
 @compiled(cached=False)
 def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool, world: int) -> bool:
-    """Assume the pieces that the solution points to, and return whether it was made with them.
+    """Assume the pieces on which the solution lies, and return whether it was found with them.
 
-    Friction that several axes share stays as it is once it is `bounded`.
+    Friction that several axes share does not change once it is `bounded`.
     """
     laws, work, numbers = (
         integers(world, JOINT)[joint, j.LAWS],
@@ -253,7 +253,7 @@ def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bo
 
 @compiled(cached=False)
 def refine_laws(joint: int, link: int, world: int) -> float:
-    """Let upright pieces begin with the impulses of the solution at hand, and return the speed that it leaves them."""
+    """Let upright pieces begin with the impulses of the current solution, and return the largest speed that it leaves there."""
     laws, work, worst = integers(world, JOINT)[joint, j.LAWS], floats(world, LINK_NUMBERS), 0.0
     for k in range(6):
         if laws >> k & 1:

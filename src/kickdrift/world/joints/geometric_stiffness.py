@@ -1,13 +1,13 @@
-"""Damping of what swings too fast for a substep, in chains of light bodies under great forces.
+"""Damping of oscillations too fast for a substep, in chains of light bodies under great forces.
 
 A link that is pulled at its joint by a force F at an arm r is turned back about an axis s with the geometric stiffness
-K = r . F - (s . r) (s . F), against the inertia D of what turns at the joint. In a chain of rods, neighbours swing against each
-other with h^2 w^2 up to 18 h^2 K / D. The substep follows such modes up to hw = 2, and feeds energy into them, by resonance
-with the forces that they make themselves, from sqrt(2) on: Skeel, Zhang, Schlick, SIAM J. Sci. Comput. 18 (1997) 203. Where
-h^2 K / D is above 0.11, bodies are braked against each other, about open axes of joints between two that move; momentum and
-angular momentum are kept. As no mode is faster than one body that swings for itself about its centre of mass, with the
-stiffness K' of both of its joints and its own moment of inertia D', h^2 K / D counts as h^2 K' / 5 D' at most. A chain of 20
-links of 1 kg with an end of 1000 kg swings so for as long as one likes; without it, for a second.
+K = r . F - (s . r) (s . F), against the inertia D of the bodies that turn at the joint. In a chain of rods, neighbours swing
+against each other with h^2 w^2 up to 18 h^2 K / D. The substep follows such modes up to hw = 2, and feeds energy into them,
+by resonance with the forces that they cause themselves, from sqrt(2) on: Skeel, Zhang, Schlick, SIAM J. Sci. Comput. 18
+(1997) 203. Where h^2 K / D is above 0.11, the relative rotation about open axes of joints between two moving bodies is
+braked, which conserves momentum and angular momentum. As no mode is faster than one body that swings for itself about its
+centre of mass, with the stiffness K' of both of its joints and its own moment of inertia D', h^2 K / D counts as h^2 K' / 5
+D' at most. A chain of 20 links of 1 kg with an end of 1000 kg then swings without limit; without damping, for a second.
 """
 
 from kickdrift.core.compilation import compiled
@@ -26,7 +26,7 @@ _ALONE = 5.0
 
 @compiled(cached=False)
 def set_brakes(link: int, joint: int, h: float, world: int) -> None:
-    """Find out how much the joint of a link is to be braked in the next substep, after the relaxation."""
+    """Set the braking of the joint of a link for the next substep, after the relaxation."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     force, held = (0.0, 0.0, 0.0), integers(world, JOINT)[joint, j.LOCKED]
     for k in range(3):
@@ -50,7 +50,7 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _arm(joint: int, side: int, world: int) -> Vector:
-    """From the centre of a body to its own end of a joint: the line of a rope is no part of its arm."""
+    """Return the vector from the centre of a body to its own end of a joint: the line of a rope is not part of its arm."""
     numbers = floats(world, JOINT_NUMBERS)
     if side == 1:
         return vector_at(numbers, joint, j.ARM_B)
@@ -65,8 +65,8 @@ def _arm(joint: int, side: int, world: int) -> Vector:
 def _most(joint: int, axis: Vector, force: Vector, world: int) -> float:
     """Bound the square of the turn hw of the bodies of a joint that swing about an axis: each about its centre of mass.
 
-    No mode is faster than that of one body that swings for itself, as the energy of a turn is that of its own body alone, and
-    others only add to what moves. Its other joints are taken to pull as this one does.
+    No mode is faster than that of one body that swings alone, since the energy of its rotation is its own, and other bodies
+    only add inertia. Its other joints are assumed to pull like this one.
     """
     joints, inertia, most = integers(world, JOINT), floats(world, INERTIA), 0.0
     for side in range(2):

@@ -1,12 +1,12 @@
-"""Columns of the tables that joints live in.
+"""Columns of the tables of joints.
 
 A joint holds a frame of body b to a frame of body a along three linear and about three angular axes. Both act at one point,
 the anchor of b, so that action and reaction cancel to the last bit of the angular momentum too. Each axis is locked or
-open; what happens along an open one, its *law*, is a row of `JOINT_AXES`: row 6 j + k for axis k of joint j, where axes
+open; the *law* of an open one is a row of `JOINT_AXES`: row 6 j + k for axis k of joint j, where axes
 0-2 are linear and 3-5 angular.
 
 Joints arrange bodies in articulations: a tree of bodies, each of which hangs on one joint (a *link*), and the joints that
-close loops in it. A body that nothing moves ends a tree. `LINK` holds of each articulation first its links, parents before
+close loops in it. An immovable body ends a tree. For each articulation, `LINK` has first its links, parents before
 children, then its closing joints, and after all of them, for one step, bodies without joints that are solved with them: those
 that touch a link, up to some contacts away, and those of small heaps that the sweeps have left unsolved (see
 `kickdrift.world.direct.unconverged_heaps`). All of them are solved in `kickdrift.world.direct`.
@@ -16,7 +16,7 @@ from kickdrift.world.columns import Fields, column
 from kickdrift.world.tables import ARTICULATION, GRAPH, JOINT, JOINT_AXES, JOINT_NUMBERS, LINK, LINK_NUMBERS
 
 # Columns of JOINT
-JOINT_KIND = column(JOINT)  # place in the catalogue of joints; REMOVED_JOINT where there is none
+JOINT_KIND = column(JOINT)  # place in the catalogue of joints; REMOVED_JOINT for none
 BODY_A = column(JOINT)
 BODY_B = column(JOINT)
 GENERATION = column(JOINT)
@@ -40,13 +40,13 @@ GEARED = 3  # a gear: positions of two axes of other joints times RATES, less LE
 RIGID = 0  # no axis is open
 HINGE = 1  # one is, PIVOT
 UNIVERSAL = 2  # two are, PIVOT in a and the next one, cyclically, in b
-LOOSE = 3  # three are, and no law is asked for
+LOOSE = 3  # three are, without laws
 VECTOR = 4  # three are; the angles are the components of the rotation vector
 SWING_TWIST = (
     5  # three are; swing about axis 0, where the cone is left, and twist about axis 2, the mean of both axes 2
 )
 
-# Columns of JOINT_NUMBERS. Units of axes are m and rad, N and N m, and what is made of them.
+# Columns of JOINT_NUMBERS. Units along and about axes are m and rad, N and N m, and their combinations.
 ANCHOR_A = column(JOINT_NUMBERS, 3, "m")  # in the axes of the body
 FRAME_A = column(JOINT_NUMBERS, 4)
 ANCHOR_B = column(JOINT_NUMBERS, 3, "m")
@@ -55,7 +55,7 @@ LENGTH = column(JOINT_NUMBERS, 1, "m")
 BREAKING_FORCE = column(JOINT_NUMBERS, 1, "N")
 BREAKING_TORQUE = column(JOINT_NUMBERS, 1, "N m")
 TWIST_SCALE = column(JOINT_NUMBERS)  # rotation about axis 2 per twist
-# Of the substep along and about the axes, on b; what a warm start gives
+# Of the substep along and about the axes, on b; for warm starting
 JOINT_IMPULSE = column(JOINT_NUMBERS, 6, "N s, N m s")
 TOTAL = column(JOINT_NUMBERS, 6, "N s, N m s")  # impulse of the step; after it, force and torque
 # Positions along and angles about the axes; those of hinges and universal joints count turns
@@ -108,10 +108,10 @@ DIRECT_ISLANDS = column(GRAPH)  # rows of ISLAND that are solved directly; after
 
 # Columns of LINK
 LINK_BODY = column(LINK)
-PARENT = column(LINK)  # a row of LINK, NONE for one that nothing moves
+PARENT = column(LINK)  # a row of LINK, NONE for an immovable body
 LINK_JOINT = column(LINK)
 SIGN = column(LINK)  # 1 where the body is b of its joint, -1 where it is a
-HELD_AXES = column(LINK)  # set of axes whose speed is prescribed in the system of equations at hand
+HELD_AXES = column(LINK)  # set of axes whose speed is prescribed in the present system of equations
 LINK_A = column(LINK)  # of a closing joint
 LINK_B = column(LINK)
 ROOT = column(LINK)  # first node of the island; NONE while it sleeps
@@ -120,7 +120,7 @@ ISLAND_SIZE = column(LINK)  # of the island, where ROOT is the row itself
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one per axis.
-# 6x6, of what hangs on the joint, as its other side feels it, about the point where the joint acts
+# 6x6, inertia of the bodies on the joint as it acts on its other side, about the point where the joint acts
 ARTICULATED_INERTIA = column(LINK_NUMBERS, 36)
 START_WRENCHES = column(LINK_NUMBERS, 24, over=ARTICULATED_INERTIA)  # of gears: four wrenches, before the drift
 COUPLING = column(LINK_NUMBERS, 36)  # of open axis k, six numbers: impulse at the joint per speed along the axis
@@ -128,7 +128,7 @@ AHEAD_WRENCHES = column(LINK_NUMBERS, 24, over=COUPLING)  # of gears: four wrenc
 YIELD = column(LINK_NUMBERS, 6, "1/kg, 1/(kg m^2)")  # of open axes: speed per impulse
 # Of closing joints: impulse that a solution begins with, less the one that there is
 BEGUN = column(LINK_NUMBERS, 6, "N s, N m s", over=YIELD)
-BIAS_IMPULSE = column(LINK_NUMBERS, 6, "N s, N m s")  # impulse at the joint if its other side stays as it is
+BIAS_IMPULSE = column(LINK_NUMBERS, 6, "N s, N m s")  # impulse at the joint if its other side does not move
 GAIN = column(LINK_NUMBERS, 6, "m/s, rad/s")  # of velocity: of the body
 JOINT_WRENCH = column(LINK_NUMBERS, 6, "N s, N m s")  # impulse at the joint, on the body
 RIGHT_HAND_SIDE = column(LINK_NUMBERS, 6, "m/s, rad/s")  # of speed of a held axis that is wanted

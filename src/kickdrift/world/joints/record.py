@@ -1,4 +1,4 @@
-"""The interface of a kind of joint: a frozen record that tells where its axes are, and their laws."""
+"""The interface of a kind of joint: a frozen record of its axes and their laws."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Axes = tuple[Axis, Axis, Axis]
 
 
 class Geared(NamedTuple):
-    """What a gear couples: rows of two joints, an axis of each, and the rates in the sum of rate x position that it holds."""
+    """The data of a gear: rows of two joints, an axis of each, and the rates in the sum of rate x position that it holds."""
 
     joints: tuple[int, int]
     axes: tuple[int, int]
@@ -45,7 +45,7 @@ class Placement(NamedTuple):
     principal : int
         The default axis: 0-2 linear, 3-5 angular; -1 for none.
     geared : Geared, optional
-        For a gear, which has no anchors: what it couples.
+        For a gear, which has no anchors: the axes that it couples.
     """
 
     anchor_a: Floats

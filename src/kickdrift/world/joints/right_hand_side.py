@@ -1,4 +1,4 @@
-"""What is wanted of each axis of each joint, before the equations are solved."""
+"""The right-hand sides of the axes of joints, set before the equations are solved."""
 
 import math
 
@@ -24,21 +24,21 @@ from kickdrift.world.joints.kinematics import axis_unit, put_cross, put_line, pu
 from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, POSE, RESTED, floats, integers
 
-# What an aim is taken for
-AHEAD = 0  # nothing is off at the end of the substep
-GENTLY = 1  # no speed where nothing moves, before the drift
-RELAX = 2  # no speed where nothing moves
-REPAIR = 3  # a change of position, as a speed, after which nothing is off
+# Aims of a solution
+AHEAD = 0  # no error at the end of the substep
+GENTLY = 1  # no speed along locked axes, before the drift
+RELAX = 2  # no speed along locked axes
+REPAIR = 3  # a change of position, as a speed, after which there is no error
 
 
 @compiled(cached=False)
 def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int) -> float:
-    """Set the right-hand side of the axes of a joint: of locked ones the speed that corrects them, of laws nothing yet.
+    """Set the right-hand side of the axes of a joint: for locked ones the speed that corrects them, for laws zero.
 
     Returns
     -------
     float
-        How far locked axes will be off, as an angle or in parts of arms and bodies; zero where the mode does not ask.
+        The error of locked axes to come, as an angle or relative to arms and bodies; zero in modes that do not need it.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     locked = integers(world, JOINT)[joint, j.LOCKED]
@@ -98,7 +98,7 @@ def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float
 
 @compiled(inline=True, cached=False)
 def look_here(joint: int, link: int, world: int) -> None:
-    """Take axes and arms as they are for those at the end of the substep."""
+    """Use the present axes and arms in place of those at the end of the substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     for k in range(18):
         work[link, j.AXES_AHEAD + k] = numbers[joint, j.AXES + k]
@@ -110,8 +110,8 @@ def look_here(joint: int, link: int, world: int) -> None:
 def _look_ahead(joint: int, link: int, h: float, world: int) -> None:
     """Compute the error of locked axes at the end of the substep with the present velocities, and where they then are.
 
-    One step of Newton's method from there leaves an error of the third order in h. What counts for that are the axes and
-    arms at the end: with those at the start, errors grow where masses differ by more than a substep turns the joint by. A
+    One step of Newton's method from there leaves an error of the third order in h, if axes and arms are those at the end:
+    with those at the start, errors grow where masses differ by more than a substep turns the joint by. A
     chain with an end 1000 times as heavy as its links then tears.
     """
     pose, motion, work = floats(world, POSE), floats(world, MOTION), floats(world, LINK_NUMBERS)

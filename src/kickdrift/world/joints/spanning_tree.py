@@ -1,4 +1,4 @@
-"""Which joints form trees, and which close loops in them."""
+"""Joints that form trees, and joints that close loops in them."""
 
 import heapq
 from collections import defaultdict
@@ -33,7 +33,7 @@ class _Edge(NamedTuple):
     a: int
     b: int
     weight: int  # locked axes: joints with few of them are better where they close a loop
-    bodies: tuple[int, ...] = ()  # of a gear, which no tree grows along: all that it acts on
+    bodies: tuple[int, ...] = ()  # bodies of a gear, along which no tree grows
 
 
 class _Part(NamedTuple):
@@ -43,7 +43,7 @@ class _Part(NamedTuple):
 
 
 def arrange(tables: Tables) -> None:
-    """Write the articulations of a world and their links, for all joints that hold something that moves."""
+    """Write the articulations of a world and their links, for all joints that hold a movable body."""
     edges = _edges(tables)
     parts: list[_Part] = []
     for members in _components(edges):
@@ -57,7 +57,7 @@ def arrange(tables: Tables) -> None:
 
 
 def _edges(tables: Tables) -> list[_Edge]:
-    """Joints that hold something that moves; a body that nothing moves is -1."""
+    """Return the joints that hold a movable body; immovable bodies are -1."""
     joints = tables.array(JOINT)
     moves: NDArray[np.bool_] = np.any(tables.array(INVERSE_MASS)[:, :7] != 0.0, axis=1)
     there = np.flatnonzero(joints[:, j.JOINT_KIND] != j.REMOVED_JOINT)
@@ -74,7 +74,7 @@ def _edges(tables: Tables) -> list[_Edge]:
 
 
 def _components(edges: list[_Edge]) -> list[list[_Edge]]:
-    """Joints that hang together by bodies that move, in the order of their first joints."""
+    """Return the joints connected by movable bodies, in the order of their first joints."""
     root: dict[int, int] = {}
 
     def find(body: int) -> int:
@@ -93,7 +93,7 @@ def _components(edges: list[_Edge]) -> list[list[_Edge]]:
 
 
 def _span_all(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Edge]]:
-    """Grow a tree in each part that hangs together without gears; return links and closing joints as `_span`, gears last."""
+    """Grow a tree in each part that is connected without gears; return links and closing joints as `_span`, gears last."""
     links: list[list[int]] = []
     closings: list[_Edge] = []
     for held in _components([edge for edge in edges if not edge.bodies]):
@@ -107,14 +107,14 @@ def _span_all(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list
 
 
 def _span(edges: list[_Edge], tables: Tables) -> tuple[list[list[int]], list[_Edge]]:
-    """Grow a tree from what nothing moves, or from the heaviest body, along the joints that lock most.
+    """Grow a tree from the immovable bodies, or from the heaviest body, along the joints with the most locked axes.
 
     Returns
     -------
     links : list of [body, joint, parent, sign]
         Parents come first; `parent` counts from the first link.
     closings : list
-        The joints that the tree does without.
+        The joints that are not in the tree.
     """
     at: dict[int, list[_Edge]] = defaultdict(list)
     for edge in edges:

@@ -1,4 +1,4 @@
-"""Which columns of a recording are of which cloths."""
+"""The columns of a recording that belong to each cloth."""
 
 from typing import TYPE_CHECKING
 
@@ -19,12 +19,12 @@ _NONE = -1
 
 
 class RecordedCloths:
-    """The columns of the cloths of a world that come and go, and that are cut: those of one follow each other.
+    """The columns of cloths that are added, removed and cut: those of a cloth are consecutive.
 
     Attributes
     ----------
     drawn : list of DrawnCloth
-        In the order in which they came; those that are gone, too.
+        In the order in which they were added, including removed ones.
     """
 
     def __init__(self, world: "World") -> None:
@@ -33,12 +33,12 @@ class RecordedCloths:
 
     @property
     def size(self) -> int:
-        """How many columns there are."""
+        """The number of columns."""
         return self.drawn[-1].last if self._drawn else 0
 
     @property
     def drawn(self) -> list[DrawnCloth]:
-        """The cloths, whose names are those that they have now, or had when they were looked at last."""
+        """The cloths, with their present or last known names."""
         names = self._world.cloths.names
         for row, generation in enumerate(self._generations()):
             if generation in self._drawn:
@@ -47,15 +47,15 @@ class RecordedCloths:
 
     @property
     def changed(self) -> bool:
-        """Whether a cloth has come, or one has more vertices, since `take_over`."""
+        """Whether a cloth was added, or has more vertices, since `take_over`."""
         counts = np.diff(self._world.tables.array(CLOTH)[:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]])[:, 0].tolist()
         known = [self._drawn.get(generation) for generation in self._generations()]
         return any(cloth is None or cloth.last - cloth.first != n for cloth, n in zip(known, counts, strict=True))
 
     def take_over(self) -> Integers:
-        """Give the cloths of the world as it is columns, and return those from which they take over; -1 of what is new.
+        """Assign columns to the present cloths, and return the columns from which they take over; -1 for new ones.
 
-        What was split off a vertex was where this was.
+        Vertices that were split off were where their originals were.
         """
         before, looks = dict(self._drawn), appearance(self._world).cloths
         now = {**before, **dict(zip(self._generations(), looks, strict=True))}
@@ -79,7 +79,7 @@ class RecordedCloths:
         return [int(number) for number in self._world.tables.array(CLOTH)[:, c.CLOTH_GENERATION]]
 
     def _source(self, before: DrawnCloth | None, row: int | None, count: int) -> Integers:
-        """Return the columns that vertices of a cloth had, or those had that they were split off."""
+        """Return the former columns of the vertices of a cloth, or of the vertices from which they were split."""
         if before is None:
             return np.full(count, _NONE)
         known = before.last - before.first

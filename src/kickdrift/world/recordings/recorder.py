@@ -82,7 +82,7 @@ class RecordingRows:
         return {name: values[: self.count - self.first] for name, values in self._rows.items()}
 
     def remembered(self) -> dict[str, Floats]:
-        """Return what `fill` needs besides the rows in memory."""
+        """Return the data that `fill` needs besides the rows in memory."""
         return {}
 
     def fill(self, kept: Mapping[str, Floats], remembered: Mapping[str, Floats]) -> None:
@@ -113,7 +113,7 @@ class RecordingRows:
         return self.kept()
 
     def _grow(self, bodies: int) -> None:
-        """Widen the rows to so many bodies, and if all are in use, make room for half as many again."""
+        """Widen the rows to a number of bodies and, if all are in use, make room for half as many again."""
         before = len(self._rows["t"])
         room = before + (before // 2 + 16 if self.count - self.first == before else 0)
         for name, old in self._rows.items():
@@ -216,7 +216,7 @@ class Recorder:
         return self._every - self.n_steps % self._every
 
     def note(self, count: int, step: float, time: float, seconds: float) -> None:
-        """Note that `count` steps up to a time, s, were done in so many seconds, and add a row if one is due."""
+        """Note that `count` steps up to a time, s, were done, and the seconds that they took; add a row if one is due."""
         self.n_steps += count
         self._evaluations += count * self._world.substeps
         self._seconds += seconds

@@ -122,7 +122,7 @@ class Recording(Solution):
     Notes
     -----
     `derived` has "kinetic energy" and "potential energy", J; "overlap", the largest penetration of bodies in contact, and
-    "joint gap", the largest error of a joint's distance, m; and "residual", what the solver left unsolved, m/s, see
+    "joint gap", the largest error of a joint's distance, m; and "residual", the velocity left unsolved by the solver, m/s, see
     `World.residual`.
 
     Examples

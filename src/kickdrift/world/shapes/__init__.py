@@ -1,1 +1,1 @@
-"""Shapes: what bodies are made of."""
+"""Shapes of bodies."""

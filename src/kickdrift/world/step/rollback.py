@@ -1,4 +1,4 @@
-"""Rollback: what there is when a step begins, and back to it, to the last bit; and which body a world has lost to infinity."""
+"""Rollback of a step to the state at its beginning, to the last bit; and identification of a body lost to infinity."""
 
 import numpy as np
 
@@ -68,7 +68,7 @@ STARTED_LEFT_TURN = column(STARTED_ROTATION, 3, "rad/s")
 STARTED_LEFT_POSE = column(STARTED_ROTATION, 4)
 STARTED_INERTIA = column(STARTED_ROTATION, 6, "1/(kg m^2)")
 
-_FAR = 1e100  # m or m/s: as good as infinite
+_FAR = 1e100  # m or m/s: counts as infinite
 
 
 @compiled
@@ -107,7 +107,7 @@ def begin(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _keep_rotation(world: int, body: int) -> None:
-    """Keep what a drift leaves of a body besides its pose and its motion."""
+    """Keep the data of a body that a drift leaves besides its pose and motion."""
     kept, kicked, inverse_mass = floats(world, STARTED_ROTATION), floats(world, KICKED), floats(world, INVERSE_MASS)
     for k in range(3):
         kept[body, STARTED_SPIN + k] = kicked[body, SPIN + k]
@@ -119,19 +119,19 @@ def _keep_rotation(world: int, body: int) -> None:
 
 
 def find_lost_body(tables: Tables, step: float, found: int) -> int:
-    """Return which body was lost.
+    """Return the row of the body that was lost.
 
-    Where joints hold bodies together all are lost at once: it is one that was nowhere before, or else the one that was
-    the fastest, or pushed the most.
+    Bodies connected by joints are lost together: it is one whose pose was not finite before, or else the fastest one, or the
+    one with the largest forces.
 
     Parameters
     ----------
     tables : Tables
-        Of the world, as the step has left them.
+        Of the world, after the step.
     step : float
         s.
     found : int
-        Row of a body that is nowhere.
+        Row of a body whose pose or velocity is not finite.
     """
     now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
     moves = tables.array(BODY)[:, BODY_KIND] >= KINEMATIC
@@ -154,14 +154,14 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
 
 
 def roll_back(tables: Tables) -> None:
-    """Bring a world back to where the step began; shapes that were nowhere are sought again."""
+    """Restore a world to the beginning of the step; pairs of shapes without finite bounds are sought again."""
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
     _roll_back_rotations(tables)
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
     tables.row(STEP_STATUS, 0)[WARNING] = tables.row(STEP_STATUS, 0)[STARTED_WARNING]
     roll_back_cloths(tables)
-    tables.array(BODY)[:, UNSOLVED] &= LEFT - 1  # what was measured in this attempt
+    tables.array(BODY)[:, UNSOLVED] &= LEFT - 1  # measured in this attempt
     tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED
     nowhere = ~np.isfinite(tables.array(BOUNDS)[:, LOWER : UPPER + 3]).all(axis=1)
     if nowhere.any():
@@ -169,7 +169,7 @@ def roll_back(tables: Tables) -> None:
 
 
 def _roll_back_rotations(tables: Tables) -> None:
-    """Bring back what a drift leaves of bodies besides their poses and motions: to the last bit, as after no drift."""
+    """Restore the data of bodies that a drift leaves besides their poses and motions, to the last bit."""
     tumbles = (tables.array(BODY)[:, BODY_KIND] == DYNAMIC) & (tables.array(INERTIA)[:, INERTIA_KIND] == TUMBLES)
     kept, kicked, inverse_mass = (tables.array(table) for table in (STARTED_ROTATION, KICKED, INVERSE_MASS))
     for table, first, size, started in (
@@ -182,7 +182,7 @@ def _roll_back_rotations(tables: Tables) -> None:
 
 
 def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBodyError:
-    """Return in words which body was lost, and when; the world is back where the step began."""
+    """Return the error that names the lost body and the step; the world is at the beginning of the step."""
     pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
     if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():
         why = "Its forces or velocities are too large for the step: use a smaller one."
@@ -196,7 +196,7 @@ def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBod
 
 
 def lost_cloth_error(words: str, step: int) -> LostBodyError:
-    """Return in words which cloth was lost, and when; the world is back where the step began."""
+    """Return the error that names the lost cloth and the step; the world is at the beginning of the step."""
     return LostBodyError(
         f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. Its"
         " positions or velocities were set to values that are not finite, its triangles have no area, or it was"

@@ -1,8 +1,8 @@
 """The status of a stage that cannot proceed: columns of the one row of `kickdrift.world.tables.STEP_STATUS`.
 
-A stage that cannot proceed sets a status and returns. Once the cause is removed it is run again from its beginning, so what it
-has written until then must not change its result. One that sets `BEGIN_AGAIN` has the whole step rolled back and repeated, one
-that sets `DO_IN_PARTS` has it done in shorter parts. The loop that runs the stages checks the status after each.
+A stage that cannot proceed sets a status and returns. Once the cause is removed it is run again from its beginning, so the data
+that it has written until then must not change its result. `BEGIN_AGAIN` has the whole step rolled back and repeated,
+`DO_IN_PARTS` has it done in shorter parts. The loop that runs the stages checks the status after each.
 """
 
 from kickdrift.core.compilation import compiled
@@ -20,13 +20,13 @@ SAID = column(STEP_STATUS)  # those of them that were issued
 MIDWAY = column(STEP_STATUS)  # 1 while a step is in progress
 REPEATED = column(STEP_STATUS)  # 1 if it is repeated because the sweeps had left a heap far from solved
 HALVINGS = column(STEP_STATUS)  # how often the step was halved: it is done in 2 to that power parts
-STARTED_WARNING = column(STEP_STATUS)  # WARNING as it was when the step, or the part of one, began
+STARTED_WARNING = column(STEP_STATUS)  # WARNING at the beginning of the step or part
 BOUNCING_BODY = column(STEP_STATUS)  # row of a body whose impacts had no end, for the warning
 
 # Bits of WARNING
 LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leave unsolved
 TURNS_TOO_FAST = 2  # joints have lost or gained energy, as bodies turn too far in a substep
-MISSES_CONTACT = 4  # a body may have passed what it met in a step, however often that was done again
+MISSES_CONTACT = 4  # a body may have passed through another in a step, although that was repeated
 LEFT_BOUNCING = 8  # impacts of a substep have not been resolved, or their impulses have not converged
 
 # Values of STATUS
@@ -36,8 +36,8 @@ NOT_FINITE = 2  # a body has a pose or a velocity that is not finite
 NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `find_impacts`
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
-BEGIN_AGAIN = 6  # the step has found out what it needed to know at its start: roll it back, and repeat it
-DO_IN_PARTS = 7  # it is too long for what happens in it: roll it back, and halve it
+BEGIN_AGAIN = 6  # the step now knows data that it needed at its start: roll it back, and repeat it
+DO_IN_PARTS = 7  # the step is too long for its impacts: roll it back, and halve it
 
 _REQUEST = [STATUS, TABLE, ROWS_WANTED, LOST_BODY]
 
@@ -52,7 +52,7 @@ def take_request(tables: Tables) -> tuple[int, int, int, int]:
 
 @compiled(inline=True)
 def ask_for_room(world: int, table: Table, count: int) -> None:
-    """Ask for room for so many rows of a table, unless another error is set already."""
+    """Request room for a number of rows of a table, unless another error is set already."""
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, TABLE], row[0, ROWS_WANTED] = FULL, table[0], count

@@ -1,4 +1,4 @@
-"""Steps of a world: it compiles what is needed, runs the compiled loop, and serves the requests of its stages."""
+"""Steps of a world: compiling their stages, running the compiled loop, and serving the requests of stages."""
 
 import time
 
@@ -108,7 +108,7 @@ class DoesSteps:
                         program = self._ready(step)
                     if done < count:
                         chunk = next_chunk(done - before, time.perf_counter() - began)
-        except BaseException:  # Ctrl-C may come between any two lines; compiled code has stored how far it is
+        except BaseException:  # Ctrl-C may come between any two lines; compiled code has stored its progress
             self._go_back(step)
             raise
         self.time = t0 + (first + count) * step
@@ -116,7 +116,7 @@ class DoesSteps:
         return found
 
     def _run(self, program: Program, t0: float, step: float, first: int, last: int, at: int) -> tuple[int, int]:
-        """Run steps, and say what a user's function has raised."""
+        """Run steps, and report an exception of a user's function."""
         try:
             return run(*program, t0, step, first, last, at, self.tables.address)
         except Exception as error:
@@ -181,9 +181,9 @@ class DoesSteps:
         )
 
     def _ready(self, step: float) -> Program:
-        """Return the program of a step, compiling what is missing; it is reused until something that it depends on changes.
+        """Return the program of a step, compiling missing stages; it is reused until something that it depends on changes.
 
-        The flag `altered` tells: comparing everything would take as long as a step of a small world.
+        The flag `altered` shows it: comparing everything would take as long as a step of a small world.
         """
         threaded = self.threads and present()
         same = step == self._program_step and threaded == self._threaded

@@ -1,7 +1,7 @@
-"""Steps done in parts: where more happens in a step than its search for contacts can know, it is halved as often as it takes.
+"""Steps done in parts: a step with more impacts than its search for contacts can follow is halved as often as necessary.
 
-A part is a step of its own, with a search at its start. Substeps stay as they are, as long as a part has a whole one; shorter
-parts are one substep each. Forces of joints are means over all parts, the residual is the largest.
+A part is a step of its own, with a search at its start. Substeps keep their length as long as a part contains a whole one;
+shorter parts are one substep each. Forces of joints are means over all parts, the residual is the largest.
 """
 
 from collections.abc import Callable
@@ -17,14 +17,14 @@ from kickdrift.world.tables import JOINT_NUMBERS, LOAD, SETTINGS, STEP_STATUS, T
 
 
 def do_parts(do_part: Callable[[int, int], bool], tables: Tables) -> None:
-    """Do a step in parts; if one fails, the world is back where the step began, to the last bit.
+    """Do a step in parts; if one fails, the world is restored to the beginning of the step, to the last bit.
 
     Parameters
     ----------
     do_part : callable
-        Does a part, given its number and how many there are of its length; returns False if it must be halved.
+        Does a part, given its number and the number of parts of its length; returns False if it must be halved.
     tables : Tables
-        Of the world, where the step begins.
+        Of the world, at the beginning of the step.
     """
     before, part, parts = kept(tables), 0, 2
     loads, status = before["LOAD"], tables.row(STEP_STATUS, 0)

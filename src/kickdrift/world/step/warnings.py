@@ -1,4 +1,4 @@
-"""Warnings of the solver: each once per world, with what would help."""
+"""Warnings of the solver: each kind once per world, with a remedy."""
 
 import math
 import warnings
