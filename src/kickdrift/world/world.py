@@ -1,4 +1,4 @@
-"""A world of rigid bodies, joints and cloth."""
+"""A world of rigid bodies, joints, cloth, ropes and soft bodies."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class World(
     ConservedQuantities,
     Tunable,
 ):
-    """Rigid bodies and cloth in three dimensions.
+    """Rigid bodies, cloth, ropes and soft bodies in three dimensions.
 
     >>> import kickdrift as kd
     >>> world = kd.World(gravity=(0, 0, -9.81))
