@@ -18,6 +18,8 @@ from kickdrift.world.bodies import Bodies
 from kickdrift.world.body import Body
 from kickdrift.world.body_views import BodyViews
 from kickdrift.world.cloth.adding import AddsCloths
+from kickdrift.world.cloth.adding_ropes import AddsRopes
+from kickdrift.world.cloth.adding_soft_bodies import AddsSoftBodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.events import ContactEvent, events, touching
@@ -53,6 +55,8 @@ class World(
     AddsShapes,
     AddsJoints,
     AddsCloths,
+    AddsRopes,
+    AddsSoftBodies,
     AppliesForces,
     SpatialQueries,
     ConservedQuantities,

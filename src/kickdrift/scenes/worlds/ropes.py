@@ -29,7 +29,7 @@ def bridge(*, planks: int = 14, span: float = 4.0) -> World:
     ]  # fmt: skip
     for rope in ropes:
         rope.pin([0, len(x) - 1])
-    for k in held:
+    for k in held.tolist():
         slope = np.arctan2(sag[k - 1] - sag[k + 1], x[k + 1] - x[k - 1])
         plank = world.add_box(
             (0.7 * pitch, width + 0.1, 0.04), position=(x[k], 0, height - sag[k] - 0.035),

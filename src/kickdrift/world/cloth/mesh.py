@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 NONE = -1
+MOST_VERTICES = 10_000_000  # of a grid or a box
 _FAR = 1e15  # m
 _THIN = 1e-6  # ratio of height to longest side below which a triangle is degenerate
 
