@@ -35,7 +35,7 @@ def folder():
 
 def pile():
     """Boxes and balls that rest on each other and sleep, one gone, one a sensor, with a robot of sorts, a gear and
-    two cloths."""
+    two cloths, a rope and a soft body."""
     world = kd.World(sleeping=True, sleep_time=0.1)
     world.add_plane()
     for k in range(12):
@@ -51,6 +51,8 @@ def pile():
     sheet = world.add_cloth_grid((1.0, 1.0), (5, 4), position=(0, 0, 4), name="sheet")
     sheet.pin([0], rods[2])
     world.add_cloth_grid((0.5, 0.5), (3, 3), position=(2, 0, 1))
+    world.add_rope([(3, 0, 1), (3.2, 0, 1), (3.4, 0, 1), (3.5, 0, 1)], name="line").pin([0])
+    world.add_soft_box((0.5, 0.5, 0.5), (2, 1, 1), position=(4, 0, 1), name="jelly")
     return world
 
 

@@ -126,6 +126,7 @@ ZONE, ZONE_NUMBERS = Table(92, 3, whole=True), Table(93, 16)  # of each particle
 CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)
 FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 29, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each
+TETRAHEDRON, TETRAHEDRON_NUMBERS = Table(105, 4, whole=True), Table(106, 10)  # of a soft body
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))

@@ -1,4 +1,4 @@
-"""A world of rigid bodies, joints and cloth."""
+"""A world of rigid bodies, joints, cloth, ropes and soft bodies."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.bodies.views import BodyViews
 from kickdrift.world.cloth.adding import AddsCloths
+from kickdrift.world.cloth.adding_ropes import AddsRopes
+from kickdrift.world.cloth.adding_soft_bodies import AddsSoftBodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.events import ContactEvent, events, touching
@@ -53,12 +55,14 @@ class World(
     AddsShapes,
     AddsJoints,
     AddsCloths,
+    AddsRopes,
+    AddsSoftBodies,
     AppliesForces,
     SpatialQueries,
     ConservedQuantities,
     Tunable,
 ):
-    """Rigid bodies and cloth in three dimensions.
+    """Rigid bodies, cloth, ropes and soft bodies in three dimensions.
 
     >>> import kickdrift as kd
     >>> world = kd.World(gravity=(0, 0, -9.81))

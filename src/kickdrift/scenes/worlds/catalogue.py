@@ -9,6 +9,8 @@ from kickdrift.scenes.worlds.cloths import drape, flag, net, tear, trampoline
 from kickdrift.scenes.worlds.humanoids import humanoid, ragdolls
 from kickdrift.scenes.worlds.moved_cloths import cape, curtain, tablecloth
 from kickdrift.scenes.worlds.robots import arm, quadruped, two_link_arm
+from kickdrift.scenes.worlds.ropes import bridge, tetherball
+from kickdrift.scenes.worlds.soft_bodies import jelly
 from kickdrift.scenes.worlds.stacks import dominoes, pile, pyramid
 from kickdrift.world.world import World
 
@@ -54,5 +56,8 @@ SCENES: dict[str, Scene] = {
     "cape": Scene(cape, 5.0, 1 / 60, "a person walks with a cape"),
     "net": Scene(net, 4.0, 1 / 60, "a net catches boxes"),
     "tear": Scene(tear, 1.2, 1 / 120, "a ball tears through a sheet"),
+    "bridge": Scene(bridge, 5.0, 1 / 60, "crates fall onto a bridge that hangs on ropes"),
+    "tetherball": Scene(tetherball, 6.0, 1 / 60, "a ball winds its rope round a pole"),
+    "jelly": Scene(jelly, 4.0, 1 / 60, "cubes of jelly and a box fall into a heap"),
     "trampoline": Scene(trampoline, 4.0, 1 / 60, "two balls jump on a trampoline"),
 }

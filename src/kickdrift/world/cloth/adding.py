@@ -1,41 +1,24 @@
-"""Adding cloths and ropes to a world, finding them by name, and removing them."""
+"""Adding cloths to a world, and finding them by name."""
 
 from __future__ import annotations
-
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.arguments import choice, direction, unit_quaternion, vector
-from kickdrift.world.bodies.shape_rows import ShapeRows
-from kickdrift.world.cloth.building import Built, built_cloth, built_rope
-from kickdrift.world.cloth.deformable import Deformable
+from kickdrift.world.arguments import direction, unit_quaternion, vector
+from kickdrift.world.cloth.adding_any import AddsDeformables
+from kickdrift.world.cloth.building import built_cloth
 from kickdrift.world.cloth.fabric import Fabric
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.material import material_of
-from kickdrift.world.cloth.mesh import cloth_mesh, grid
-from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.cloth.rope import Rope
-from kickdrift.world.cloth.rope_material import RopeMaterial
-from kickdrift.world.cloth.rope_mesh import rope_mesh
-from kickdrift.world.shapes.kinds import CAPSULE, SPHERE
+from kickdrift.world.cloth.mesh import MOST_VERTICES, cloth_mesh, grid
 from kickdrift.world.shapes.mass import rotation_matrix
-from kickdrift.world.tables import Tables
-
-D = TypeVar("D", bound=Deformable)
-
-_MOST_VERTICES = 10_000_000
 
 
-class AddsCloths:
-    """The methods of a world that add cloths and ropes, find them by name, and remove them."""
-
-    tables: Tables
-    cloths: Cloths
-    shape_rows: ShapeRows
+class AddsCloths(AddsDeformables):
+    """The methods of a world that add cloths, and find them by name."""
 
     @shows_parameters_of(Fabric)
     def add_cloth(
@@ -136,66 +119,13 @@ class AddsCloths:
         if counts.shape != (2,) or counts.dtype.kind not in "iu" or (counts < 2).any():
             raise ArgumentError(f"vertices={vertices!r} must be two whole numbers of at least 2.")
         count = int(counts[0]) * int(counts[1])
-        if count > _MOST_VERTICES:
-            raise ArgumentError(f"vertices={vertices!r} make {count}, more than {_MOST_VERTICES}; give fewer.")
+        if count > MOST_VERTICES:
+            raise ArgumentError(f"vertices={vertices!r} make {count}, more than {MOST_VERTICES}; give fewer.")
         turn = rotation_matrix(unit_quaternion("orientation", orientation))
         points, triangles = grid(int(counts[0]), int(counts[1]), (float(sides[0]), float(sides[1])))
         centred = points - [0.5 * sides[0], 0.5 * sides[1], 0.0]
         at, warp = centred @ turn.T + vector("position", position, 3), turn[:, 0]
         return self.add_cloth(at, triangles, warp=warp, self_collision=self_collision, name=name, **fabric)
-
-    @shows_parameters_of(RopeMaterial)
-    def add_rope(
-        self, points: ArrayLike, *, self_collision: bool = False, name: str | None = None, **material: float
-    ) -> Rope:
-        """Add a rope through points, free of tension, on layer 0.
-
-        Its vertices are the points; between two of them is a segment, a straight capsule. At rest it is straight: a rope with a
-        bending stiffness that is curved at first straightens, unless something holds it.
-
-        Parameters
-        ----------
-        points : (N, 3) array_like
-            Two or more, m. Where the rope runs around a body, segments should be shorter than its radius of curvature.
-        self_collision : bool
-            Whether it collides with itself; it always collides with other ropes, and with cloths.
-        name : str, optional
-        **material
-            `radius`, `density` (kg/m), `stretch_stiffness` (N), `bending_stiffness` (N m^2), `damping`, `linear_damping` and
-            `friction`, as in `kickdrift.world.cloth.rope_material.RopeMaterial`.
-
-        Returns
-        -------
-        Rope
-            Its handle: positions and velocities of the vertices, and the tension; `pin` holds some of them.
-
-        Raises
-        ------
-        ArgumentError
-            For invalid points, one of which the message names, and for invalid numbers.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> import kickdrift as kd
-        >>> world = kd.World()
-        >>> points = np.linspace((0, 0, 2), (0, 0, 1), 21)
-        >>> rope = world.add_rope(points, radius=0.01, density=0.1, stretch_stiffness=1000.0, damping=0.01, linear_damping=3.0)
-        >>> rope.pin([0])
-        >>> world.advance(1 / 60, 300)
-        >>> round(float(rope.tension[0]), 3)  # the weight below the middle of the first segment
-        0.956
-        """
-        made_of, mesh = material_of(RopeMaterial, "a rope", material), rope_mesh(points)
-        rope = self._add(built_rope(mesh, made_of), Rope, name, self_collision)
-        self.shape_rows.kinds |= {CAPSULE}  # segments meet other shapes as capsules
-        return rope
-
-    def _add(self, built: Built, kind: type[D], name: str | None, self_collision: bool) -> D:
-        added = self.cloths.add(built, kind, name, choice("self_collision", self_collision))
-        self.shape_rows.kinds |= {SPHERE}  # particles meet other shapes as spheres
-        self.tables.altered = True
-        return added
 
     def cloth(self, name: str) -> Cloth:
         """Return the cloth with a name.
@@ -214,40 +144,3 @@ class AddsCloths:
         True
         """
         return self.cloths.named(name, Cloth)
-
-    def rope(self, name: str) -> Rope:
-        """Return the rope with a name.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is none; the message lists the names.
-
-        Examples
-        --------
-        >>> import kickdrift as kd
-        >>> world = kd.World()
-        >>> line = world.add_rope([(0, 0, 0), (1, 0, 0)], name="line")
-        >>> world.rope("line") == line
-        True
-        """
-        return self.cloths.named(name, Rope)
-
-    def remove_cloth(self, cloth: Deformable) -> None:
-        """Remove a cloth or a rope, and wake everything. Indices of those that were added later decrease by one.
-
-        Raises
-        ------
-        ArgumentError
-            If it has been removed before.
-
-        Examples
-        --------
-        >>> import kickdrift as kd
-        >>> world = kd.World()
-        >>> sheet, towel = (world.add_cloth_grid(vertices=(3, 3), name=name) for name in ("sheet", "towel"))
-        >>> world.remove_cloth(sheet)
-        >>> towel.index, sheet
-        (0, Cloth(index=0, generation=0, name='sheet'))
-        """
-        self.cloths.remove(cloth)

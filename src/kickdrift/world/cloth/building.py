@@ -1,4 +1,4 @@
-"""The rows of a new cloth or rope, before they are in the tables of a world."""
+"""The rows of a new cloth, rope or soft body, before they are in the tables of a world."""
 
 import math
 from typing import NamedTuple
@@ -12,7 +12,10 @@ from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import ClothMesh, flattened, masses_of
 from kickdrift.world.cloth.rope_material import RopeMaterial
 from kickdrift.world.cloth.rope_mesh import lengths_of, rope_masses, stretch_rate
-from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS
+from kickdrift.world.cloth.soft_material import SoftMaterial, lame
+from kickdrift.world.cloth.tetrahedra import TetrahedralMesh
+from kickdrift.world.cloth.vibration import elastic_rate
+from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS, TETRAHEDRON_NUMBERS
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +25,7 @@ _OF_THICKNESS, _SKIN = 0.5, 0.12
 
 
 class Built(NamedTuple):
-    """The mesh, masses and numbers of a cloth or a rope.
+    """What a cloth, a rope or a soft body is made of.
 
     Attributes
     ----------
@@ -35,6 +38,10 @@ class Built(NamedTuple):
         Rows of FACE_NUMBERS.
     numbers : (L,) array
         Row of CLOTH_NUMBERS.
+    tetrahedra : (K, 4) array
+        Vertices of each.
+    cells_at_rest : (K, 10) array
+        Rows of TETRAHEDRON_NUMBERS.
     """
 
     dimension: int
@@ -42,6 +49,8 @@ class Built(NamedTuple):
     masses: Floats
     at_rest: Floats
     numbers: Floats
+    tetrahedra: NDArray[np.int64] = np.zeros((0, 4), dtype=np.int64)
+    cells_at_rest: Floats = np.zeros((0, TETRAHEDRON_NUMBERS.width))
 
 
 def built_cloth(mesh: ClothMesh, fabric: Fabric, warp: Floats) -> Built:
@@ -69,6 +78,24 @@ def built_rope(mesh: ClothMesh, material: RopeMaterial) -> Built:
     _put_thickness(numbers, 2.0 * material.radius, float(np.median(lengths)))
     numbers[c.MEMBRANE_RATE] = stretch_rate(lengths, material.stretch_stiffness, masses)
     return Built(c.ROPE, mesh, masses, at_rest, numbers)
+
+
+def built_soft_body(mesh: TetrahedralMesh, material: SoftMaterial) -> Built:
+    """Return what a soft body of these tetrahedra is made of."""
+    surface, cells = mesh.surface, mesh.tetrahedra
+    corners = surface.vertices[surface.triangles]
+    at_rest = np.zeros((len(corners), FACE_NUMBERS.width))
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    at_rest[:, c.FACE_AREA] = 0.5 * np.linalg.norm(across, axis=1)
+    quarters = np.repeat(0.25 * material.density * mesh.volumes, 4)
+    masses = np.asarray(np.bincount(cells.ravel(), weights=quarters), dtype=np.float64)
+    numbers = _numbers((material.young_modulus, 0.0, 0.0), material.damping, material.linear_damping, material.friction)
+    numbers[c.POISSON_RATIO] = material.poisson_ratio
+    _put_thickness(numbers, material.thickness, math.sqrt(float(np.median(at_rest[:, c.FACE_AREA]))))
+    bulk, shear = lame(material.young_modulus, material.poisson_ratio)
+    numbers[c.MEMBRANE_RATE] = elastic_rate(mesh, bulk, shear, masses)
+    cells_at_rest = np.column_stack((mesh.to_rest.reshape(-1, 9), mesh.volumes))
+    return Built(c.VOLUME, surface, masses, at_rest, numbers, cells, cells_at_rest)
 
 
 def _numbers(stiffness: tuple[float, float, float], damping: float, linear_damping: float, friction: float) -> Floats:

@@ -87,7 +87,9 @@ def _resolve(world: int, row: int, part: float, push: float, left: float) -> Non
     v = minus(plus(times(1.0 - s, speed_i), times(s, speed_j)), ground)
     gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
     if gap < 0.0:
-        out = min(-gap, part * push)
+        out = min(
+            -gap, part * push * inverse_mass / max(by_i, by_j)
+        )  # neither moves faster, beside a pinned end either
         gap += out
         for k in range(3):
             particle[i, k] += out * (by_i / inverse_mass) * n[k]

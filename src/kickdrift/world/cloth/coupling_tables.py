@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 
 
 def put_couplings(tables: Tables, row: int, mesh: ClothMesh) -> None:
-    """Write the couplings of the particles of a cloth by bending, given the present pins.
+    """Write the couplings of the particles of a cloth or a rope by bending, given the present pins; a soft body has none.
 
     Parameters
     ----------
@@ -43,6 +43,8 @@ def put_couplings(tables: Tables, row: int, mesh: ClothMesh) -> None:
         Its mesh at rest.
     """
     own, numbers = tables.array(CLOTH)[row], tables.array(CLOTH_NUMBERS)[row]
+    if own[c.DIMENSION] == c.VOLUME:
+        return
     vertices, faces = slice(*own[c.FIRST_PARTICLE :][:2]), slice(*own[c.FIRST_FACE :][:2])
     particles, areas = tables.array(PARTICLE)[vertices], tables.array(FACE_NUMBERS)[faces, c.FACE_AREA]
     pinned = particles[:, c.PARTICLE_INVERSE_MASS] == 0.0

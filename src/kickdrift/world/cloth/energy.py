@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.rotations import cross
 from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.soft_material import lame
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.tables import (
@@ -21,6 +22,8 @@ from kickdrift.world.tables import (
     PARTICLE_COUPLINGS,
     PIN,
     SETTINGS,
+    TETRAHEDRON,
+    TETRAHEDRON_NUMBERS,
     Tables,
 )
 
@@ -36,7 +39,7 @@ def cloth_energy(tables: Tables) -> tuple[float, float]:
     x, v = particles[:, :3], particles[:, c.PARTICLE_VELOCITY : c.PARTICLE_VELOCITY + 3]
     moved = _moved(tables)
     gravity = tables.array(SETTINGS)[0, GRAVITY : GRAVITY + 3]
-    elastic = _membrane(tables, x) + _tension(tables, x) + _bending(tables, x)
+    elastic = _membrane(tables, x) + _tension(tables, x) + _bending(tables, x) + _elastic(tables, x)
     return float(0.5 * moved @ (v * v).sum(axis=1)), float(elastic - moved @ (x @ gravity))
 
 
@@ -76,6 +79,7 @@ def _membrane(tables: Tables, x: Floats) -> float:
     stretch = (np.linalg.norm(u, axis=1) - 1.0) ** 2 + (np.linalg.norm(v, axis=1) - 1.0) ** 2
     shear = (u * v).sum(axis=1) ** 2
     density = of_faces[:, c.STRETCH] * stretch + of_faces[:, c.SHEAR] * shear
+    density[np.repeat(own[:, c.DIMENSION] != c.SHEET, own[:, c.LAST_FACE] - own[:, c.FIRST_FACE])] = 0.0
     return float(0.5 * rest[:, c.FACE_AREA] @ density)
 
 
@@ -87,6 +91,20 @@ def _tension(tables: Tables, x: Floats) -> float:
     ends, at_rest = x[tables.array(FACE)[of, c.CORNERS : c.CORNERS + 2]], rest[of, c.REST_LENGTH]
     longer = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) - at_rest
     return float(0.5 * stiffness[of] @ (longer**2 / at_rest))
+
+
+def _elastic(tables: Tables, x: Floats) -> float:
+    """Return the energy of soft bodies, J; see `kickdrift.world.cloth.elasticity`."""
+    own, rest = tables.array(CLOTH), tables.array(TETRAHEDRON_NUMBERS)
+    of = np.repeat(tables.array(CLOTH_NUMBERS), own[:, c.LAST_TETRAHEDRON] - own[:, c.FIRST_TETRAHEDRON], axis=0)
+    corners = x[tables.array(TETRAHEDRON)[:, c.TETRAHEDRON_CORNERS : c.TETRAHEDRON_CORNERS + 4]]
+    edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
+    f = edges @ rest[:, c.TO_REST_CELL : c.TO_REST_CELL + 9].reshape(-1, 3, 3)
+    bulk, shear = lame(of[:, c.STRETCH], of[:, c.POISSON_RATIO])
+    m, stiff = 4.0 / 3.0 * shear, bulk + 5.0 / 6.0 * shear
+    square, swelling = (f * f).sum(axis=(1, 2)), np.linalg.det(f) - 1.0
+    density = 0.5 * m * (square - 3.0 - np.log((square + 1.0) / 4.0)) + swelling * (0.5 * stiff * swelling - 0.75 * m)
+    return float(rest[:, c.REST_VOLUME] @ density)
 
 
 def _bending(tables: Tables, x: Floats) -> float:

@@ -8,7 +8,7 @@ from kickdrift.world.layout import BODY_KIND, REMOVED
 
 _RANGES = (
     ("PARTICLE", c.FIRST_PARTICLE), ("FACE", c.FIRST_FACE), ("COUPLING", c.FIRST_COUPLING), ("CURVED_FACE", c.FIRST_CURVED),
-    ("PIN", c.FIRST_PIN),
+    ("PIN", c.FIRST_PIN), ("TETRAHEDRON", c.FIRST_TETRAHEDRON),
 )  # fmt: skip
 
 
@@ -25,6 +25,7 @@ def check_cloths(rows: FileTables) -> None:
         ("FACE_NUMBERS", "FACE"),
         ("COUPLING_NUMBERS", "COUPLING"),
         ("CURVED_FACE_NUMBERS", "CURVED_FACE"),
+        ("TETRAHEDRON_NUMBERS", "TETRAHEDRON"),
         ("PARTICLE_REST", "PARTICLE"),
         ("PARTICLE_COUPLINGS", "PARTICLE"),
         ("PIN_NUMBERS", "PIN"),
@@ -32,7 +33,7 @@ def check_cloths(rows: FileTables) -> None:
         rows.count(name, len(rows[of]))
     cloths = rows["CLOTH"]
     rows.holds("CLOTH", c.PARTS, cloths[:, c.PARTS] >= 1)
-    rows.within("CLOTH", c.DIMENSION, c.ROPE, c.SHEET)
+    rows.within("CLOTH", c.DIMENSION, c.ROPE, c.VOLUME)
     generations = cloths[:, c.CLOTH_GENERATION]
     rows.holds("CLOTH", c.CLOTH_GENERATION, (generations >= 0) & (np.diff(generations, prepend=-1) > 0))
     for name, column in _RANGES:  # one cloth after the other
@@ -43,6 +44,13 @@ def check_cloths(rows: FileTables) -> None:
         rows.count(name, int(ends[-1]))
     _check_indices(rows, "FACE", c.CORNERS, 3, c.FIRST_FACE, c.FIRST_PARTICLE)
     _check_segments(rows)
+    _check_indices(rows, "TETRAHEDRON", c.TETRAHEDRON_CORNERS, 4, c.FIRST_TETRAHEDRON, c.FIRST_PARTICLE)
+    volumes = rows["TETRAHEDRON_NUMBERS"][:, c.REST_VOLUME]
+    rows.holds("TETRAHEDRON_NUMBERS", c.REST_VOLUME, volumes > 0.0)
+    counts = cloths[:, c.LAST_TETRAHEDRON] - cloths[:, c.FIRST_TETRAHEDRON]
+    rows.holds("CLOTH", c.FIRST_TETRAHEDRON, (counts > 0) == (cloths[:, c.DIMENSION] == c.VOLUME))
+    ratios = rows["CLOTH_NUMBERS"][:, c.POISSON_RATIO]
+    rows.holds("CLOTH_NUMBERS", c.POISSON_RATIO, (ratios > -1.0) & (ratios < 0.5))
     _check_indices(rows, "CURVED_FACE", c.STENCIL, 6, c.FIRST_CURVED, c.FIRST_PARTICLE)
     _check_parents(rows)
     _check_indices(rows, "PIN", c.PINNED_PARTICLE, 1, c.FIRST_PIN, c.FIRST_PARTICLE)

@@ -32,6 +32,8 @@ from kickdrift.world.tables import (
     PARTICLE_WIND,
     PIN,
     PIN_NUMBERS,
+    TETRAHEDRON,
+    TETRAHEDRON_NUMBERS,
     TREE_NEIGHBOUR,
     ZONE,
     ZONE_NUMBERS,
@@ -52,10 +54,11 @@ FIRST_GROUP, LAST_GROUP = column(CLOTH), column(CLOTH)
 IS_ASLEEP = column(CLOTH)  # of the first cloth, for all of them
 STIRRED = 2  # value of IS_ASLEEP: they sleep, but the user has moved them
 DIMENSION = column(CLOTH)
+FIRST_TETRAHEDRON, LAST_TETRAHEDRON = column(CLOTH), column(CLOTH)
 ROPE, SHEET, VOLUME = 1, 2, 3  # values of DIMENSION
 
 # CLOTH_NUMBERS
-STRETCH = column(CLOTH_NUMBERS, 1, "N/m")  # stiffness in use; of a rope in N
+STRETCH = column(CLOTH_NUMBERS, 1, "N/m")  # stiffness in use; of a rope in N, of a soft body its Young's modulus, Pa
 SHEAR = column(CLOTH_NUMBERS, 1, "N/m")
 BENDING = column(CLOTH_NUMBERS, 1, "N m")  # of a rope in N m^2
 MEMBRANE_DAMPING = column(CLOTH_NUMBERS, 1, "s")  # in use
@@ -74,6 +77,7 @@ REST_TIME = column(CLOTH_NUMBERS, 1, "s")  # of the first cloth: for how long al
 SKIN = column(CLOTH_NUMBERS, 1, "m")  # deviation of particles from their predicted paths up to which pairs remain valid
 
 TEAR_STRAIN = column(CLOTH_NUMBERS)  # 0.0 if it does not tear
+POISSON_RATIO = column(CLOTH_NUMBERS)  # of a soft body
 
 # PARTICLE
 column(PARTICLE, 3, "m")  # position
@@ -120,6 +124,13 @@ ADDED_TO = column(
 )  # field to which the forces on the first corners are added, on the second and the third ones
 column(GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
 column(GROUP_STRAIN, 24)  # strains along warp and weft, and shear, at the last kick
+
+# TETRAHEDRON
+TETRAHEDRON_CORNERS = column(TETRAHEDRON, 4)  # particles
+
+# TETRAHEDRON_NUMBERS
+TO_REST_CELL = column(TETRAHEDRON_NUMBERS, 9, "1/m")  # inverse matrix of the three edges from the first corner
+REST_VOLUME = column(TETRAHEDRON_NUMBERS, 1, "m^3")
 
 # CURVED_FACE
 STENCIL = column(CURVED_FACE, 6)  # particles: its corners and those across its sides

@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 NONE = -1
+MOST_VERTICES = 10_000_000  # of a grid or a box
 _FAR = 1e15  # m
 _THIN = 1e-6  # ratio of height to longest side below which a triangle is degenerate
 
@@ -51,7 +52,7 @@ def cloth_mesh(vertices: ArrayLike, triangles: ArrayLike) -> ClothMesh:
     points, faces = vertices_of(vertices), _triangles(triangles)
     _check_corners(points, faces)
     _check_areas(points, faces)
-    return ClothMesh(points, faces, *_shared_edges(faces))
+    return ClothMesh(points, faces, *shared_edges(faces))
 
 
 def grid(nx: int, ny: int, size: tuple[float, float]) -> tuple[Floats, Integers]:
@@ -167,7 +168,7 @@ def _check_areas(points: Floats, faces: Integers) -> None:
         )
 
 
-def _shared_edges(faces: Integers) -> tuple[Integers, Integers]:
+def shared_edges(faces: Integers) -> tuple[Integers, Integers]:
     """Return folds and sides; see `ClothMesh`."""
     count = len(faces)
     start, end, across = faces.T.ravel(), np.roll(faces, -1, axis=1).T.ravel(), np.roll(faces, -2, axis=1).T.ravel()

@@ -8,6 +8,7 @@ from kickdrift.world.cloth.face_tree import owned
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh
 from kickdrift.world.cloth.ranges import replace_rows, rows_of
 from kickdrift.world.cloth.rope_mesh import segments
+from kickdrift.world.cloth.tetrahedra import surface_mesh
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
@@ -16,6 +17,8 @@ from kickdrift.world.tables import (
     PARTICLE,
     PARTICLE_COUPLINGS,
     PARTICLE_REST,
+    TETRAHEDRON,
+    TETRAHEDRON_NUMBERS,
     Tables,
 )
 
@@ -33,6 +36,9 @@ def put_mesh(tables: Tables, row: int, built: Built) -> None:
     faces = np.zeros((len(built.at_rest), FACE.width), np.int64)
     replace_rows(tables, row, c.FIRST_FACE, {FACE: faces, FACE_NUMBERS: built.at_rest})
     put_triangles(tables, row, mesh)
+    cells = built.tetrahedra + tables.array(CLOTH)[row, c.FIRST_PARTICLE]
+    rows = {TETRAHEDRON: cells, TETRAHEDRON_NUMBERS: built.cells_at_rest}
+    replace_rows(tables, row, c.FIRST_TETRAHEDRON, rows)
 
 
 def put_triangles(tables: Tables, row: int, mesh: ClothMesh) -> None:
@@ -45,7 +51,8 @@ def put_triangles(tables: Tables, row: int, mesh: ClothMesh) -> None:
 def mesh_in(tables: Tables, row: int) -> ClothMesh:
     """Return the mesh of a cloth at rest."""
     rest = rows_of(tables, row, c.FIRST_PARTICLE, PARTICLE_REST)[:, :3].copy()
-    if tables.array(CLOTH)[row, c.DIMENSION] == c.ROPE:
+    dimension, first = tables.array(CLOTH)[row, [c.DIMENSION, c.FIRST_PARTICLE]].tolist()
+    if dimension == c.ROPE:
         return segments(rest)
-    corners = rows_of(tables, row, c.FIRST_FACE, FACE)[:, c.CORNERS : c.CORNERS + 3]
-    return cloth_mesh(rest, corners - tables.array(CLOTH)[row, c.FIRST_PARTICLE])
+    triangles = rows_of(tables, row, c.FIRST_FACE, FACE)[:, c.CORNERS : c.CORNERS + 3] - first
+    return surface_mesh(rest, triangles) if dimension == c.VOLUME else cloth_mesh(rest, triangles)

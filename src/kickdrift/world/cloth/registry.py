@@ -1,4 +1,4 @@
-"""The cloths and ropes of a world: their rows in its tables, and the checks of their handles."""
+"""The cloths, ropes and soft bodies of a world: their rows in its tables, and the checks of their handles."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from kickdrift.world.cloth.particle_tables import arrange
 from kickdrift.world.cloth.pinning import add_pins, remove_pins
 from kickdrift.world.cloth.ranges import add_range, remove_range, rows_of
 from kickdrift.world.cloth.rope import Rope
+from kickdrift.world.cloth.soft_body import SoftBody
 from kickdrift.world.cloth.splitting import Split, cut_by_plane, put_split
 from kickdrift.world.cloth.tearing import find_tears
 from kickdrift.world.cloth.tuning import WORDS, softness, tune
 from kickdrift.world.cloth.vibration import put_membrane_rate
 from kickdrift.world.names import Names
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PIN, Tables
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PIN, TETRAHEDRON, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
@@ -57,7 +58,7 @@ class Cloths:
 
     @undivided
     def add(self, built: Built, kind: type[D], name: str | None, self_collision: bool) -> D:
-        """Add a cloth or a rope, free of tension, and return its handle, which is of this kind."""
+        """Add a cloth, a rope or a soft body, free of tension, and return its handle, which is of this kind."""
         tables, name = self.tables, self.names.checked(name)
         row = add_range(tables)
         put_mesh(tables, row, built)
@@ -146,7 +147,8 @@ class Cloths:
         """Return the row of an existing cloth or rope; ArgumentError if it was removed, or is not of this world."""
         if not isinstance(cloth, Deformable) or cloth.registry is not self:
             raise ArgumentError(
-                f"{argument}={cloth!r} is not a cloth or rope of this world; give a handle from World.add_cloth or add_rope."
+                f"{argument}={cloth!r} is no cloth, rope or soft body of this world; give what World.add_cloth, add_rope or "
+                "add_soft_body returned."
             )
         index = cloth.index
         if not self.knows(index, cloth.generation):
@@ -186,13 +188,20 @@ class Cloths:
         """Return the rows of the vertices, a live view."""
         return rows_of(self.tables, self.row(cloth), c.FIRST_PARTICLE, PARTICLE)
 
-    def triangles(self, cloth: Cloth) -> Integers:
+    def triangles(self, cloth: Deformable) -> Integers:
         """Return the vertices of the triangles, a copy."""
         return self.mesh(self.row(cloth)).triangles
 
     def rest_lengths(self, rope: Deformable) -> Floats:
         """Return the lengths of the segments of a rope at rest, m, a copy."""
         return rows_of(self.tables, self.row(rope), c.FIRST_FACE, FACE_NUMBERS)[:, c.REST_LENGTH].copy()
+
+    def tetrahedra(self, body: Deformable) -> Integers:
+        """Return the vertices of the tetrahedra of a soft body, a copy."""
+        row = self.row(body)
+        corners = rows_of(self.tables, row, c.FIRST_TETRAHEDRON, TETRAHEDRON)
+        result: Integers = corners - self.tables.array(CLOTH)[row, c.FIRST_PARTICLE]
+        return result
 
     def numbers(self, cloth: Deformable, name: str) -> Floats:
         """Return a property by its name, a copy."""
@@ -279,5 +288,6 @@ class Cloths:
 
 _COLUMNS = {
     "wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1), "tear_strain": (c.TEAR_STRAIN, 1), "radius": (c.CLOTH_RADIUS, 1),
+    "poisson_ratio": (c.POISSON_RATIO, 1),
 }  # fmt: skip
-_HANDLES: dict[int, type[Deformable]] = {c.ROPE: Rope, c.SHEET: Cloth}
+_HANDLES: dict[int, type[Deformable]] = {c.ROPE: Rope, c.SHEET: Cloth, c.VOLUME: SoftBody}

@@ -71,6 +71,7 @@ from kickdrift.world.tables import (
 
 _MANIFOLD = MANIFOLD.width
 _END = 1e-6  # of a segment: what is closer to its end touches with the vertex there
+_LEVER = 0.05  # likewise to a pinned end, beside which the other one would have to move 20 times as far
 
 
 @compiled
@@ -152,6 +153,8 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
         count = collide(function[CAPSULE, kind], (capsule, numbers, pose, margin, manifold))
     n, own, other = _vector_of(manifold, NORMAL), ON_B if is_first else ON_A, ON_A if is_first else ON_B
     normal = turned(pose_turn, n) if is_first else times(-1.0, turned(turn, n))
+    first = _LEVER if particle[i, PARTICLE_INVERSE_MASS] == 0.0 else _END
+    last = 1.0 - (_LEVER if particle[i + 1, PARTICLE_INVERSE_MASS] == 0.0 else _END)
     fits = True
     for k in range(count):
         on_segment = _vector_of(manifold, POINT + k * POINT_SIZE + own)
@@ -159,7 +162,7 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
         from_middle = turned(turn, on_segment)
         along = dot(plus(from_middle, times(capsule[0], normal)), way) / (2.0 * half)
         share = 0.5 + 0.5 * along / half
-        if _END < share < 1.0 - _END:
+        if first < share < last:
             gap = dot(normal, minus(plus(middle, from_middle), point))
             fits = fits and note_contact(world, cloth, shape, i, i + 1, share, (normal, gap, point), h)
     return fits

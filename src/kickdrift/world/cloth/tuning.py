@@ -25,8 +25,10 @@ _NAMES = {
         _DAMPINGS[1],
     ),
     c.SHEET: (("stretch_stiffness", "N/m"), ("shear_stiffness", "N/m"), ("bending_stiffness", "N m"), *_DAMPINGS),
+    c.VOLUME: (("young_modulus", "Pa"), ("", ""), ("", ""), ("damping", "s"), ("", "")),
 }  # with units, in the order of `ASKED`
-WORDS = {c.ROPE: "rope", c.SHEET: "cloth"}
+WORDS = {c.ROPE: "rope", c.SHEET: "cloth", c.VOLUME: "soft body"}
+_LARGER = {c.ROPE: "longer segments", c.SHEET: "larger triangles", c.VOLUME: "larger tetrahedra"}
 
 
 def tune(own: Integers, numbers: Floats, substep: float) -> None:
@@ -66,5 +68,4 @@ def softness(words: str, dimension: int, numbers: Floats) -> str:
     ]
     if not found:
         return ""
-    larger = "longer segments" if dimension == c.ROPE else "larger triangles"
-    return f" Of {words}, as much as the step allows: {', '.join(found)}; more substeps or {larger} allow more."
+    return f" Of {words}, as much as the step allows: {', '.join(found)}; more substeps or {_LARGER[dimension]} allow more."

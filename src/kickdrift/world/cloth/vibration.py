@@ -9,6 +9,7 @@ from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.couplings import Bending
 from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.cloth.ranges import rows_of
+from kickdrift.world.cloth.tetrahedra import TetrahedralMesh
 from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS, PARTICLE, Tables
 
 Floats = NDArray[np.float64]
@@ -82,6 +83,26 @@ def bending_rate(mesh: ClothMesh, bending: Bending, areas: Floats, masses: Float
     gradients = np.cross(normals[:, None, :], sides) / (normals**2).sum(axis=1)[:, None, None]
     curved = np.linalg.norm(bending.rest, axis=1)[:, None, None] * roots
     return flat + highest(curved * gradients.transpose(0, 2, 1), mesh.triangles, masses)
+
+
+def elastic_rate(mesh: TetrahedralMesh, bulk: float, shear: float, masses: Floats) -> float:
+    """Return the highest angular frequency of a soft body at rest with these Lame parameters, Pa, in rad/s.
+
+    Its energy is half the sum of squares of strains, whose rows are the roots of their moduli times derivatives by positions.
+    """
+    slopes = np.concatenate((-mesh.to_rest.sum(axis=1)[:, None], mesh.to_rest), axis=1)  # (M, 4, 3)
+    rows = np.zeros((len(slopes), 6, 4, 3))
+    pulls = math.sqrt(2.0 * shear) * (np.eye(3) - 1.0 / 3.0) + math.sqrt(3.0 * bulk + 2.0 * shear) / 3.0
+    for k in range(3):
+        rows[:, :3, :, k] = pulls[:, k, None] * slopes[:, None, :, k]
+        i, j = (k + 1) % 3, (k + 2) % 3
+        rows[:, 3 + k, :, i], rows[:, 3 + k, :, j] = (
+            math.sqrt(shear) * slopes[..., j],
+            math.sqrt(shear) * slopes[..., i],
+        )
+    columns = (3 * mesh.tetrahedra[:, :, None] + np.arange(3)).reshape(-1, 12)
+    roots = np.sqrt(mesh.volumes)[:, None, None]
+    return highest(rows.reshape(-1, 6, 12) * roots, columns, np.repeat(masses, 3))
 
 
 def highest(rows: Floats, columns: NDArray[np.int64], masses: Floats) -> float:
