@@ -208,7 +208,7 @@ def test_a_recording_that_cannot_be_shown_says_why(tmp_path, monkeypatch):
     bare = replace(made, appearance=made.appearance._replace(parts=()))
     with pytest.raises(KickdriftError, match="no shapes, and so there is nothing to show"):
         bare.to_html(tmp_path / "a.html")
-    with pytest.raises(KickdriftError, match=r"the states are in 'x\.zarr'"):
+    with pytest.raises(KickdriftError, match=r"the states are on disk, in 'x\.zarr'"):
         replace(made, saved_to="x.zarr").to_html(tmp_path / "a.html")
     with pytest.raises(FileFormatError, match=r"a\.htm'? cannot be written: pages for the browser end in \.html"):
         made.to_html(tmp_path / "a.htm")

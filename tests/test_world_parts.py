@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
-from kickdrift.world import stepping
+from kickdrift.world.step import stepping
 from kickdrift.world.step.rollback import roll_back
 from kickdrift.world.tables import LOAD, MOTION, POSE, STEP_STATUS
 

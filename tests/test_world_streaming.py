@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import kickdrift as kd
 from kickdrift.cli.app import app
 from kickdrift.engine import checkpoints, zarr_store
-from kickdrift.world import running
+from kickdrift.world.recordings import running
 
 APPEND, WRITE = (zarr_store.ZarrStore, "append"), (checkpoints.Checkpoints, "write")
 
