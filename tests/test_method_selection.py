@@ -212,9 +212,19 @@ def test_auto_is_l_stable_where_decays_are_much_faster_than_the_step(many):
     assert taken(0.01, **decaying(-1e4, many)).method != "radau-5"  # what grows is not stiff
 
 
-@pytest.mark.parametrize(("order", "name"), [(1, "implicit-euler"), (2, "radau-3"), (4, "radau-5"), (6, "gauss-6")])
+@pytest.mark.parametrize(
+    ("order", "name"), [(1, "implicit-euler"), (2, "radau-3"), (4, "radau-5"), (6, "radau-7"), (8, "gauss-8")]
+)
 def test_auto_keeps_the_order_wanted_where_it_is_stiff(order, name):
     assert taken(0.01, order, **decaying(1e4)).method == name
+
+
+def test_auto_takes_a_higher_order_for_many_stiff_steps():
+    def method(steps):
+        problem = decaying(1e4)
+        return kd.solve(t_span=(0.0, 0.1 * steps), step=0.1, method="auto", compile=False, **problem).about.method
+
+    assert (method(50), method(51)) == ("radau-5", "radau-7")
 
 
 def test_auto_sees_stiffness_that_starts_after_the_first_steps():
@@ -237,7 +247,43 @@ def test_auto_sees_stiffness_that_starts_later():
         return kd.solve(t_span=(0.0, end), step=0.1, method="auto", compile=False, **problem).about.method
 
     assert method(5.0) == "dop853"  # and 50 at the end: as fast as it bears
-    assert method(400.0) == "radau-5"
+    assert method(400.0) == "radau-7"
+
+
+def test_auto_sees_stiffness_far_beyond_the_first_steps():
+    def hires(y):
+        fast = 280.0 * y[5] * y[7]
+        return np.array(
+            [
+                -1.71 * y[0] + 0.43 * y[1] + 8.32 * y[2] + 0.0007,
+                1.71 * y[0] - 8.75 * y[1],
+                -10.03 * y[2] + 0.43 * y[3] + 0.035 * y[4],
+                8.32 * y[1] + 1.71 * y[2] - 1.12 * y[3],
+                -1.745 * y[4] + 0.43 * y[5] + 0.43 * y[6],
+                -fast + 0.69 * y[3] + 1.71 * y[4] - 0.43 * y[5] + 0.69 * y[6],
+                fast - 1.81 * y[6],
+                -fast + 1.81 * y[6],
+            ]
+        )
+
+    def method(step):  # decays at 10 at the start, at 150 after three units of time
+        start = [1.0, 0, 0, 0, 0, 0, 0, 0.0057]
+        return kd.solve(kd.FirstOrder(hires), (0.0, 10.0), start, step=step, method="auto", compile=False).about.method
+
+    assert method(0.04) == "radau-7"
+    assert method(0.02) == "dop853"
+
+
+def test_auto_sees_no_stiffness_where_there_is_none():
+    def lorenz(y):
+        return np.array([10.0 * (y[1] - y[0]), y[0] * (28.0 - y[2]) - y[1], y[0] * y[1] - 8.0 / 3.0 * y[2]])
+
+    def brusselator(y):
+        return np.array([1.0 + y[0] * y[0] * y[1] - 4.0 * y[0], 3.0 * y[0] - y[0] * y[0] * y[1]])
+
+    for rates, start, step in ((lorenz, [1.0, 1.0, 20.0], 0.15), (brusselator, [1.5, 3.0], 0.4)):
+        run = kd.solve(kd.FirstOrder(rates), (0.0, 150.0), start, step=step, method="auto", compile=False)
+        assert run.about.method == "dop853"  # whose decays reach 21 and 9.7
 
 
 def test_auto_neither_damps_nor_lets_grow_oscillations_much_faster_than_the_step():

@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.special import roots_jacobi
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
@@ -14,7 +15,7 @@ from kickdrift.engine.flows import stiff
 from kickdrift.methods import Kind, Letter, Method, Tableau, word
 
 CATALOGUE = kd.methods.catalogue()
-RADAU = ["radau-3", "radau-5"]
+RADAU = ["radau-3", "radau-5", "radau-7"]
 
 # Hairer, Wanner, Solving Ordinary Differential Equations II, tables IV.5.5 and IV.5.6.
 S = sqrt(6)
@@ -28,10 +29,19 @@ PRINTED = {
 }
 
 
-@pytest.mark.parametrize("name", RADAU)
+@pytest.mark.parametrize("name", PRINTED)
 def test_tables_as_printed(name):
     tableau = CATALOGUE[name].tableau()
     assert np.allclose(np.array(tableau.a, dtype=float), PRINTED[name], rtol=0, atol=1e-15)
+    assert tableau.stiffly_accurate
+
+
+@pytest.mark.parametrize("name", RADAU)
+def test_nodes_are_those_of_radau_quadrature(name):
+    tableau = CATALOGUE[name].tableau()
+    inner, _ = roots_jacobi(tableau.stages - 1, 1, 0)
+    nodes = np.array(tableau.a, dtype=float).sum(axis=1)
+    assert np.allclose(nodes, [*(inner + 1) / 2, 1], rtol=0, atol=2e-15)
     assert tableau.stiffly_accurate
 
 
@@ -68,7 +78,9 @@ PROBLEMS = {
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
-@pytest.mark.parametrize(("method", "steps"), [("radau-3", (0.02, 0.01)), ("radau-5", (0.1, 0.05))])
+@pytest.mark.parametrize(
+    ("method", "steps"), [("radau-3", (0.02, 0.01)), ("radau-5", (0.1, 0.05)), ("radau-7", (0.3, 0.15))]
+)
 def test_order(method, steps, name):
     found = kd.analysis.observed_order(
         method=method, steps=steps, t_span=(0.0, 3.0), compile=False, **PROBLEMS[name]
@@ -92,7 +104,13 @@ ROBERTSON_AT_1 = [0.9664597373330346, 3.0746265776127e-05, 0.03350951640118935] 
 
 @pytest.mark.parametrize(
     ("method", "step", "most"),
-    [("radau-3", 0.1, 1e-7), ("radau-3", 0.01, 1e-9), ("radau-5", 0.1, 1e-8), ("radau-5", 0.01, 1e-9)],
+    [
+        ("radau-3", 0.1, 1e-7),
+        ("radau-3", 0.01, 1e-9),
+        ("radau-5", 0.1, 1e-8),
+        ("radau-5", 0.01, 1e-9),
+        ("radau-7", 0.1, 1e-8),
+    ],
 )
 def test_robertson_at_steps_thousands_of_times_its_fastest_decay(method, step, most):
     found = run(robertson, [1.0, 0.0, 0.0], 1.0, step, method)
@@ -140,13 +158,13 @@ def estimate(method, step, problem=PROBLEMS["pendulum"]):
 
 
 @pytest.mark.parametrize("name", ["pendulum", "damped", "partitioned"])
-@pytest.mark.parametrize(("method", "order"), [("radau-3", 3), ("radau-5", 4)])
+@pytest.mark.parametrize(("method", "order"), [("radau-3", 3), ("radau-5", 4), ("radau-7", 5)])
 def test_estimates_are_those_of_a_step_of_lower_order(method, order, name):
     one, other = (estimate(method, step, PROBLEMS[name]).max() for step in (0.02, 0.01))
     assert np.log2(one / other) == pytest.approx(order, abs=0.15)
 
 
-@pytest.mark.parametrize(("method", "step"), [("radau-3", 0.1), ("radau-5", 0.2)])
+@pytest.mark.parametrize(("method", "step"), [("radau-3", 0.1), ("radau-5", 0.2), ("radau-7", 0.4)])
 def test_an_estimate_is_larger_than_the_error_of_a_step(method, step):
     def last(h):
         return kd.solve(lambda x: -np.sin(x), (0.0, step), 2.0, 0.3, step=h, method=method, compile=False)

@@ -128,6 +128,22 @@ def _hires(y, out):
     out[7] = -280.0 * y[5] * y[7] + 1.81 * y[6]
 
 
+def _van_der_pol_10(y, out):
+    out[0] = y[1]
+    out[1] = 10.0 * (1.0 - y[0] * y[0]) * y[1] - y[0]
+
+
+def _kaps(y, out):
+    out[0] = -1002.0 * y[0] + 1000.0 * y[1] * y[1]
+    out[1] = y[0] - y[1] - y[1] * y[1]
+
+
+def _enzyme(y, out):
+    bound, freed = 1000.0 * y[0] * (1.0 - y[1]), y[1]
+    out[0] = freed - bound
+    out[1] = bound - 2.0 * freed
+
+
 def _heat(y, out):
     n = y.size - 2  # the last two are what turns at the left end
     for i in range(n):
@@ -224,6 +240,10 @@ def _spring(x, out):
     out[0] = -x[0] - x[0] ** 3
 
 
+def _driven_pendulum(t, x, out):
+    out[0] = -np.sin(x[0]) + 1.15 * np.cos(2.0 * t / 3.0)
+
+
 def _field_of(x, out):
     out[0] = 0.0
     out[1] = 0.0
@@ -250,6 +270,11 @@ def _first_order(name: str, f: Any, end: float, largest: float, y0: Any, stiff: 
     return Problem(name, Kind.FIRST_ORDER, kd.FirstOrder(f), end, largest, start, rates=rates)
 
 
+def _rod(n: int) -> Problem:
+    start = np.append(np.zeros(n), [0.0, 1.0])
+    return _first_order(f"rod of {n}, warmed and cooled", _heat, 20.0, 4.0, start, stiff=True)
+
+
 def _planets(eccentricity: float) -> Any:
     speed = np.sqrt((1 - eccentricity) / (1 + eccentricity))
     x = [[0.0, 0.0, 0.0], [1 + eccentricity, 0.0, 0.0], [0.0, 3.2, 0.0], [-7.0, 0.0, 0.1]]
@@ -264,7 +289,7 @@ def _eight() -> Any:
 
 
 def named() -> list[Problem]:
-    """Return the twelve of all kinds."""
+    """Return twelve of all kinds."""
     i = np.arange(8)
     charged = kd.ChargedParticle(1.0, _field_of, _pull)
     return [
@@ -282,7 +307,7 @@ def named() -> list[Problem]:
         ),
         _first_order("Schroedinger chain of 64", _schroedinger, 20.0, 0.5, _schroedinger_start(64)),
         Problem("Coriolis with drag", Kind.VELOCITY_DEPENDENT, _coriolis, 300.0, 1.0, [1.0, 0.2, 0.5], [0.0, 0.5, 0.1]),
-        _first_order("Robertson", _robertson, 1000.0, 20.0, [1.0, 0.0, 0.0], stiff=True),
+        _first_order("Robertson", _robertson, 1000.0, 100.0, [1.0, 0.0, 0.0], stiff=True),
     ]
 
 
@@ -303,7 +328,16 @@ def held_out() -> list[Problem]:
         ),
         _first_order("van der Pol, mu = 1000, before it jumps", _van_der_pol, 750.0, 20.0, [2.0, 0.0], stiff=True),
         _first_order("HIRES", _hires, 300.0, 4.0, [1.0, 0, 0, 0, 0, 0, 0, 0.0057], stiff=True),
-        _first_order("rod of 20, warmed and cooled", _heat, 20.0, 1.0, np.append(np.zeros(20), [0.0, 1.0]), stiff=True),
+        _first_order("van der Pol, mu = 10", _van_der_pol_10, 40.0, 0.2, [2.0, 0.0]),
+        _first_order("Kaps", _kaps, 5.0, 0.5, [1.0, 1.0], stiff=True),
+        _first_order("enzyme kinetics", _enzyme, 0.8, 0.1, [1.0, 1.0 / 1.002], stiff=True),
+        _rod(20),
+        _rod(40),
+        Problem("driven pendulum", Kind.DAMPED, kd.Damped(_driven_pendulum, damping=0.5), 60.0, 1.0, [1.0], [0.5]),
+        Problem(
+            *("damped FPUT chain", Kind.DAMPED, kd.Damped(_fput, damping=0.1)),
+            *(60.0, 1.0, 0.5 * np.sin(np.arange(16)), 0.5 * np.cos(np.arange(16) ** 2)),
+        ),
     ]
 
 

@@ -8,7 +8,7 @@ to 1000 times off.
 from kickdrift import methods
 from kickdrift.core.kinds import Kind
 
-_RUNGE_KUTTA = ("runge-kutta-4", "dop853", "gauss-4", "gauss-6", "gauss-8", "radau-5")
+_RUNGE_KUTTA = ("runge-kutta-4", "dop853", "gauss-4", "gauss-6", "gauss-8", "radau-5", "radau-7")
 _WORDS = ("blanes-moan-s6", "blanes-moan-s10", "kahan-li-8", "sofroniou-spaletta-10")
 _NYSTROM = (
     *("velocity-verlet", "blanes-moan-srkn6b", "blanes-moan-srkn11b", "blanes-moan-srkn14a"),

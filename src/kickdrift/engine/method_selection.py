@@ -96,8 +96,8 @@ def _of_bodies_that_merge(method: str | Method | None, system: System) -> Choice
 
 def _choose_by_itself(order: int | None, system: System, t0: float, step: float, span: float) -> Choice:
     found = stiffness(system, t0, step, span) if may_be_stiff(system.kind) else Stiffness.NONE
-    if found is Stiffness.DECAY and (stable := methods.preferred_for_stiff(order)) is not None:
-        return Choice(stable, "stiff, with decay much faster than a step; of the L-stable methods the preferred one")
+    if found is Stiffness.DECAY and (stable := methods.preferred_for_stiff(order, abs(span / step))) is not None:
+        return Choice(stable, f"stiff, with decay much faster than a step; L-stable, {_aim(order)}")
     if found is Stiffness.OSCILLATION and order is None:
         return Choice(
             methods.preferred_for_fast_oscillations(system.kind),
@@ -109,9 +109,11 @@ def _choose_by_itself(order: int | None, system: System, t0: float, step: float,
             methods.preferred_for_nearly_keplerian(turn),
             f"the fastest for most tolerances, where a step spans {turn:.2g} radians of the fastest pericentre passage",
         )
-    method = methods.preferred(system.kind, order)
-    aim = "the fastest for most tolerances" if order is None else f"the best of order {order} or higher"
-    return Choice(method, f"{aim}, for {system.kind.value}")
+    return Choice(methods.preferred(system.kind, order), f"{_aim(order)}, for {system.kind.value}")
+
+
+def _aim(order: int | None) -> str:
+    return "the fastest for most tolerances" if order is None else f"the best of order {order} or higher"
 
 
 def _mismatch(named: Method, system: System) -> MethodMismatchError:

@@ -146,9 +146,9 @@ def preferred(kind: Kind, order: int | None = None) -> Method:
     return preference.preferred(kind, order, _CATALOGUE)
 
 
-def preferred_for_stiff(order: int | None = None) -> Method | None:
-    """Choose a method for decay much faster than a step; None if no L-stable method has so high an order."""
-    return preference.for_stiff(order, _CATALOGUE)
+def preferred_for_stiff(order: int | None, steps: float) -> Method | None:
+    """Choose a method for decay much faster than a step, of so many; None if no L-stable method has so high an order."""
+    return preference.for_stiff(order, steps, _CATALOGUE)
 
 
 def preferred_for_fast_oscillations(kind: Kind) -> Method:

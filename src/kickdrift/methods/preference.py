@@ -40,9 +40,9 @@ _PREFERRED: dict[Kind, tuple[str, ...]] = {
 }
 
 
-# The fastest to errors of 1e-3, 1e-6 and 1e-9 at the end, or within 2 of it but for HIRES (4) and a rod (2.5), see
+# The fastest to errors of 1e-3, 1e-6 and 1e-9 at the end, or within 2 of it but for HIRES at 1e-9 (2.1), see
 # `python -m benchmarks --only auto`:
-# one method does for all three, of order 6 or 8. Among equals that which conserves more. Where no word of explicit flows
+# one method does for all three, of order 6 to 8. Among equals that which conserves more. Where no word of explicit flows
 # does, DOP853 is three to five times as fast as Gauss methods to any error from 0.1 to 1e-9, also over 20,000 units of
 # time (rigid body, Lotka-Volterra, spherical pendulum), though its energy drifts by that error.
 _FASTEST: dict[Kind, str] = {
@@ -67,7 +67,12 @@ _FASTEST: dict[Kind, str] = {
 _FOR_LONG_STEPS = "wisdom-holman-corrected-3"
 LONG_STEP = 0.9
 
-_L_STABLE = ("implicit-euler", "radau-3", "radau-5")
+# Of the L-stable methods radau-7 is the fastest to 1e-6 and 1e-9, or within 1.3 of it, on rods, HIRES and Robertson's problem,
+# where radau-5 is up to 1.8 times as slow. To 1e-3 in few steps its larger matrices cost more: on Robertson's problem 1.8 times
+# the time of radau-5.
+_L_STABLE = ("implicit-euler", "radau-3", "radau-5", "radau-7")
+_FOR_FEW_STEPS = "radau-5"
+FEW_STEPS = 50
 _A_STABLE = "gauss-4"
 
 
@@ -100,10 +105,11 @@ def preferred(kind: Kind, order: int | None, catalogue: dict[str, Method]) -> Me
     )
 
 
-def for_stiff(order: int | None, catalogue: dict[str, Method]) -> Method | None:
-    """Choose for decay much faster than a step; None if no L-stable method has so high an order."""
-    enough = [catalogue[name] for name in _L_STABLE if catalogue[name].order >= (order or 0)]
-    return (enough[-1] if order is None else enough[0]) if enough else None
+def for_stiff(order: int | None, steps: float, catalogue: dict[str, Method]) -> Method | None:
+    """Choose for decay much faster than a step, of so many; None if no L-stable method has so high an order."""
+    if order is None:
+        return catalogue[_FOR_FEW_STEPS if steps <= FEW_STEPS else _L_STABLE[-1]]
+    return next((catalogue[name] for name in _L_STABLE if catalogue[name].order >= order), None)
 
 
 def for_fast_oscillations(kind: Kind, catalogue: dict[str, Method]) -> Method:

@@ -228,7 +228,7 @@ FLOWS = {
         memory=stiff.memory_size,
         scratch=runge_kutta.implicit_scratch,
         constants=runge_kutta.constants,
-        ahead=_tableaux(_RATES, True, (3,)),  # radau-5
+        ahead=_tableaux(_RATES, True, (3, 4)),  # radau-5 and radau-7
         estimates=True,
     ),
     "linearise-constraints": Flow(
