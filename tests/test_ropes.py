@@ -296,7 +296,7 @@ def test_handles_of_ropes():
         (None, {"bending_stiffness": 1e16}, "bending_stiffness"),
         (None, {"damping": "much"}, "damping"),
         (None, {"friction": -0.1}, "friction"),
-        (None, {"thickness": 0.1}, "thickness= is no option of a rope"),
+        (None, {"thickness": 0.1}, "thickness= is not an option of a rope"),
         (None, {"self_collision": 1}, "self_collision"),
         (None, {"name": ""}, "name"),
     ],

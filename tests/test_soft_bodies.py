@@ -340,7 +340,7 @@ CORNERS = [(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
         (None, None, {"density": -1.0}, "density"),
         (None, None, {"thickness": 0.0}, "thickness"),
         (None, None, {"damping": -1.0}, "damping"),
-        (None, None, {"stretch_stiffness": 1.0}, "stretch_stiffness= is no option of a soft body"),
+        (None, None, {"stretch_stiffness": 1.0}, "stretch_stiffness= is not an option of a soft body"),
         (None, None, {"self_collision": "no"}, "self_collision"),
     ],
 )
