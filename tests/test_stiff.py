@@ -78,7 +78,9 @@ PROBLEMS = {
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
-@pytest.mark.parametrize(("method", "steps"), [("radau-3", (0.02, 0.01)), ("radau-5", (0.1, 0.05)), ("radau-7", (0.3, 0.15))])
+@pytest.mark.parametrize(
+    ("method", "steps"), [("radau-3", (0.02, 0.01)), ("radau-5", (0.1, 0.05)), ("radau-7", (0.3, 0.15))]
+)
 def test_order(method, steps, name):
     found = kd.analysis.observed_order(
         method=method, steps=steps, t_span=(0.0, 3.0), compile=False, **PROBLEMS[name]
@@ -102,7 +104,13 @@ ROBERTSON_AT_1 = [0.9664597373330346, 3.0746265776127e-05, 0.03350951640118935] 
 
 @pytest.mark.parametrize(
     ("method", "step", "most"),
-    [("radau-3", 0.1, 1e-7), ("radau-3", 0.01, 1e-9), ("radau-5", 0.1, 1e-8), ("radau-5", 0.01, 1e-9), ("radau-7", 0.1, 1e-8)],
+    [
+        ("radau-3", 0.1, 1e-7),
+        ("radau-3", 0.01, 1e-9),
+        ("radau-5", 0.1, 1e-8),
+        ("radau-5", 0.01, 1e-9),
+        ("radau-7", 0.1, 1e-8),
+    ],
 )
 def test_robertson_at_steps_thousands_of_times_its_fastest_decay(method, step, most):
     found = run(robertson, [1.0, 0.0, 0.0], 1.0, step, method)
