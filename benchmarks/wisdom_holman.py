@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import kickdrift as kd
 from benchmarks.peers import package
+from benchmarks.steps import massless
 from benchmarks.table import Missing, Row, at_most, measured, skipped
 from benchmarks.turns import in_turns, nanoseconds, ratio
 
@@ -23,6 +24,8 @@ OURS = {
     "kickdrift, corrected": {"corrector": "-corrected-3"},
 }
 _CHECKED_STEPS = 1000
+_MASSLESS = 1000
+_STEPS_WITH_MASSLESS = 500
 
 
 def kickdrift(steps: int, **options: Any) -> tuple[float, Floats]:
@@ -84,6 +87,49 @@ def _energy_of_rebound() -> float:
     return float(np.abs(np.array(energies) / energies[0] - 1).max())
 
 
+def _with_massless(steps: int) -> tuple[float, Floats]:
+    made, _, _, _ = massless.system(_MASSLESS)
+    solution = kd.solve(
+        made,
+        (0.0, steps * STEP),
+        step=STEP,
+        method="wisdom-holman",
+        save_every=steps,
+        compensated=False,
+        progress=False,
+    )
+    return solution.wall_time, solution.x[-1]
+
+
+def _rebound_with_massless(steps: int) -> tuple[float, Floats]:
+    """REBOUND's, in the same coordinates, which it takes for test particles that feel the planets and not each other."""
+    _, gm, x0, v0 = massless.system(_MASSLESS)
+    simulation = package("rebound").Simulation()
+    for m, (x, y, z), (vx, vy, vz) in zip(gm, x0, v0, strict=True):
+        simulation.add(m=m, x=x, y=y, z=z, vx=vx, vy=vy, vz=vz)
+    simulation.N_active = np.count_nonzero(gm)
+    simulation.integrator, simulation.dt = "whfast", STEP
+    settings = getattr(simulation, "ri_whfast", simulation.integrator)
+    settings.safe_mode, settings.coordinates = 0, "democraticheliocentric"
+    started = time.perf_counter()
+    simulation.steps(steps)
+    simulation.synchronize()
+    return time.perf_counter() - started, np.array([(p.x, p.y, p.z) for p in simulation.particles])
+
+
+def _massless(rounds: int) -> Row:
+    if not np.allclose(_rebound_with_massless(100)[1], _with_massless(100)[1], rtol=0, atol=1e-9):
+        raise AssertionError("REBOUND's massless bodies are elsewhere: they do not do the same work.")
+    steps = _STEPS_WITH_MASSLESS
+    contestants: dict[str, Callable[[], float]] = {
+        "kickdrift plain": lambda: _with_massless(steps)[0] * 1e9 / steps,
+        "REBOUND fast": lambda: _rebound_with_massless(steps)[0] * 1e9 / steps,
+    }
+    costs = in_turns(contestants, rounds)
+    what = f"{_MASSLESS} massless bodies, heliocentric: kickdrift plain / REBOUND fast"
+    return measured(what, ratio(costs, *contestants), at_most(1), nanoseconds(costs, *contestants))
+
+
 def compare(rounds: int) -> list[Row]:
     """Time of a step and largest error of the energy; ours has compensated sums unless it says plain."""
     limit = at_most(1e-9, "of the energy")
@@ -112,4 +158,4 @@ def compare(rounds: int) -> list[Row]:
         ("kickdrift", "REBOUND default", at_most(1)),
     ):
         rows.append(measured(f"{name} / {other}", ratio(costs, name, other), wanted, nanoseconds(costs, name, other)))
-    return rows
+    return [*rows, _massless(rounds)]

@@ -216,6 +216,12 @@ def test_a_weight_cut_to_three_digits_is_caught(name):
         replace(CATALOGUE["forest-ruth-4"], word=word)
 
 
+@pytest.mark.parametrize("name", ["conformal-verlet", "boris", "he-sun-liu-qin-2"])
+def test_damping_and_a_magnetic_field_make_no_order_higher(name):
+    with pytest.raises(ArgumentError, match="its word has only order 2"):
+        replace(CATALOGUE[name], order=3)
+
+
 def test_an_explicit_kick_with_friction_is_caught():
     verlet = replace(CATALOGUE["velocity-verlet"], kind=Kind.VELOCITY_DEPENDENT, symmetric=False)
     assert has(1, measured("damped", verlet))

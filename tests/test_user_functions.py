@@ -119,6 +119,51 @@ def test_what_numba_cannot_compile_runs_interpreted_with_one_warning():
     assert np.array_equal(s.x, kd.solve(kd.systems.harmonic_oscillator(), **SPAN).x)
 
 
+_CALLS = 0
+
+
+def counting(x):
+    global _CALLS
+    _CALLS += 1
+    return -x
+
+
+def test_a_function_that_assigns_to_a_global_runs_interpreted():
+    with pytest.warns(InterpretedWarning, match="counting runs interpreted"):
+        kd.solve(counting, x0=1.0, v0=0.0, **SPAN)
+    assert _CALLS > 10
+
+
+WAVE = np.array([1j, 2j])
+
+
+def into_out_complex(x, out):
+    out[:] = WAVE * x
+
+
+@pytest.mark.parametrize("compiles", [True, False])
+@pytest.mark.parametrize(
+    ("force", "why"),
+    [
+        (lambda x: -x * (1 + 0j), "it returned complex numbers"),
+        (lambda x: WAVE * x, "it returned complex numbers"),
+        (lambda x: [1j * x[0], 0.0], "it returned complex numbers"),
+        (lambda x: np.complex64(1j), "it returned complex numbers"),
+        (into_out_complex, "discards the imaginary part"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::kickdrift.core.errors.InterpretedWarning")
+def test_complex_accelerations_are_refused(force, why, compiles):
+    with pytest.raises(ArgumentError, match=why):
+        kd.solve(force, x0=[1.0, 0.0], v0=[0.0, 0.0], compile=compiles, **SPAN)
+
+
+def test_an_acceleration_that_becomes_complex_ends_the_run():
+    s = kd.solve(lambda x: -np.emath.sqrt(x), x0=1.0, v0=-2.0, compile=False, **SPAN)
+    assert s.status.name == "FAILED"
+    assert "it returned complex numbers" in s.message
+
+
 def test_compile_false_silences_the_warning():
     with warnings.catch_warnings():
         warnings.simplefilter("error")

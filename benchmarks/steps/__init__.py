@@ -4,7 +4,7 @@ The loops by hand know the size of the state, call the acceleration where they w
 that kickdrift has. Before anything is timed, both have to arrive in the same place.
 """
 
-from benchmarks.steps import chains, constrained, explicit, implicit, large, massless
+from benchmarks.steps import bounds, chains, constrained, explicit, implicit, large, massless
 from benchmarks.steps.pair import Pair
 from benchmarks.table import Row, at_most, measured
 from benchmarks.turns import in_turns, nanoseconds, ratio
@@ -18,8 +18,8 @@ def pairs() -> list[Pair]:
 
 
 def compare(rounds: int) -> list[Row]:
-    """Time of a step over that of the loop by hand."""
-    return [_row(pair, rounds) for pair in pairs()]
+    """Time of a step over that of the loop by hand, and what the check of indices costs."""
+    return [*(_row(pair, rounds) for pair in pairs()), *bounds.rows(rounds)]
 
 
 def _row(pair: Pair, rounds: int) -> Row:

@@ -1,7 +1,9 @@
 """From a user's problem to a system."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, cast
@@ -157,7 +159,7 @@ class Adapter:
         second = np.zeros(1) if "i" in names else v
         name, given = f"{role}, {name_of(original)},", [x.copy(), second.copy(), self.args.copy()]
         try:
-            with np.errstate(all="ignore"):
+            with np.errstate(all="ignore"), _complex_refused(function):
                 function(self.t0, *given, out)
                 if "out" in names:
                     function(self.t0, *given, other)
@@ -181,6 +183,17 @@ class Adapter:
         for label, kept, array in zip(("x", "v", "params"), (x, second, self.args), given, strict=True):
             if kept.tobytes() != array.tobytes():
                 raise ArgumentError(f"{name} modifies {label}; work on a copy.")
+
+
+@contextmanager
+def _complex_refused(function: Function) -> Iterator[None]:
+    """Raise where a function for the interpreter writes complex numbers to `out`, whose imaginary parts NumPy drops."""
+    if hasattr(function, "py_func"):
+        yield
+        return
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", np.exceptions.ComplexWarning)
+        yield
 
 
 def bind(template: Function, **bindings: Function | int) -> Function:

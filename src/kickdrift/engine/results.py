@@ -13,13 +13,18 @@ from numba.extending import overload
 
 def write_result(out: Any, result: Any) -> None:
     """Overwrite `out` with a number, or with an array, list or tuple that broadcasts to it."""
-    out[...] = np.asarray(returned(result))
+    out[...] = returned(result if result is None else np.asarray(result))
 
 
 def returned(value: Any) -> Any:
-    """Refuse None, which NumPy converts to NaN: the function has no return statement, or lacks the argument `out`."""
+    """Refuse None and complex numbers, which NumPy converts to NaN and to their real parts.
+
+    A function that returns None has no return statement, or lacks the argument `out`.
+    """
     if value is None:
         raise TypeError("it returned None")
+    if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "f") == "c":
+        raise TypeError("it returned complex numbers")
     return value
 
 

@@ -11,7 +11,7 @@ from typing import Any, cast
 
 import numba
 import numpy as np
-from numba.core.errors import NumbaError
+from numba.core.errors import NumbaError, UnsupportedBytecodeError
 from numpy.typing import NDArray
 
 from kickdrift.core import memory
@@ -25,6 +25,11 @@ from kickdrift.systems.problem import name_of
 
 Floats = NDArray[np.float64]
 
+NOT_COMPILED = (
+    *(NumbaError, UnsupportedBytecodeError, NotImplementedError),
+    *(TypeError, ValueError, AttributeError, LookupError),
+)
+"""Errors by which Numba says that it cannot compile a function."""
 
 # Bits of functions that take any number of arguments, or are coroutines or generators
 _NOT_PLAIN = (
@@ -211,7 +216,7 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
         try:
             native = _compiled(taken, layout.statement(names, numbers), checked, len(layout.result) == 1)
             return Flat(native, True, in_a_row(numbers))
-        except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError) as error:
+        except NOT_COMPILED as error:
             _warn_interpreted(function, error)
     return Flat(interpreted(function, names, layout), False, _NONE)
 

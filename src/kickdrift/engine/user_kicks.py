@@ -12,7 +12,6 @@ from types import FunctionType
 from typing import Any, cast
 
 import numpy as np
-from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
 from kickdrift.core import memory
@@ -22,7 +21,7 @@ from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.views import part
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.function_key import Taken, taken_apart
-from kickdrift.engine.user_functions import Layout
+from kickdrift.engine.user_functions import NOT_COMPILED, Layout
 from kickdrift.engine.writing import writing_of
 
 Floats = NDArray[np.float64]
@@ -74,7 +73,7 @@ def kick_of(
     try:
         count = _bound(taken, "writings", spelled("out", "None"), checked)
         address_of(count, FLAT)
-    except (NumbaError, NotImplementedError, TypeError, ValueError, AttributeError, LookupError):
+    except NOT_COMPILED:
         return None
     out = np.zeros(state[1].size)
     with np.errstate(all="ignore"):

@@ -23,6 +23,8 @@ Weight = Fraction | Decimal | str | int
 Word = tuple[tuple[Letter, Fraction], ...]
 
 K, D = Letter.KICK, Letter.DRIFT
+# Flows of damping and of a magnetic field, which do nothing where there is none: a word has no higher order than without them.
+_IDLE = (Letter.DAMP, Letter.ROTATE, Letter.BORIS_ROTATE)
 ADJOINT_K, ADJOINT_D = Letter.ADJOINT_KICK, Letter.ADJOINT_DRIFT
 
 
@@ -137,8 +139,8 @@ class Method:
             )
 
     def _check_order(self) -> None:
-        if self.letters <= {K, D}:
-            moves = [(letter is D, float(weight)) for letter, weight in self.word]
+        if self.letters <= {K, D, *_IDLE, Letter.DAMPED_DRIFT}:
+            moves = [(letter is not K, float(weight)) for letter, weight in self.word if letter not in _IDLE]
             if (order := order_on_oscillator(moves, self.order)) < self.order:
                 raise ArgumentError(
                     f"order={self.order!r} of {self.name!r}: its word has only order {order} on the harmonic"
