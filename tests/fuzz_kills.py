@@ -19,7 +19,7 @@ from forking import forked
 import kickdrift as kd
 
 MOST_KILLS = 3
-LONGEST = 0.8  # s until a run is killed, about as long as it takes
+LONGEST = 0.4  # s until a run is killed, about as long as it takes
 
 
 def pulled(t, x):

@@ -660,7 +660,7 @@ def test_what_is_left_where_a_cloth_is_removed_goes_on_as_if_it_had_never_been_t
     assert len(gone.position) == len(gone.mass)
 
 
-def test_recordings_show_cloths_that_were_removed_until_then(tmp_path):
+def test_recordings_show_cloths_that_were_removed_until_then(tmp_path, small_pictures):
     world, cloths = three_sheets()
     flat, bent, held = cloths.values()
     with world.record() as recording:

@@ -25,18 +25,16 @@ def crossings(*cloths):
     faces = np.concatenate([cloth.triangles + begin for cloth, begin in zip(cloths, begins, strict=False)])
     edges = np.unique(np.sort(np.concatenate((faces[:, :2], faces[:, 1:], faces[:, ::2])), axis=1), axis=0)
     a, b, c = (x[faces[:, k]] for k in range(3))
-    normals, count = np.cross(b - a, c - a), 0
-    for i, j in edges:
-        p, way = x[i], x[j] - x[i]
-        start, end = ((p - a) * normals).sum(axis=1), ((x[j] - a) * normals).sum(axis=1)
-        u, v, w = a - p, b - p, c - p
-        sides = np.stack([np.cross(v, w) @ way, np.cross(w, u) @ way, np.cross(u, v) @ way])
-        inside = (sides > 0).all(axis=0) | (sides < 0).all(axis=0)
-        apart = ~((faces == i) | (faces == j)).any(axis=1)
-        if len(cloths) > 1:
-            apart = np.searchsorted(begins, faces[:, 0], side="right") != np.searchsorted(begins, i, side="right")
-        count += int((inside & apart & (start * end < 0.0)).sum())
-    return count
+    above = ((x[:, None] - a) * np.cross(b - a, c - a)).sum(axis=2)  # which side of a triangle a particle is on
+    edge, face = np.nonzero(above[edges[:, 0]] * above[edges[:, 1]] < 0.0)
+    i, j = edges[edge].T
+    u, v, w = (corners[face] - x[i] for corners in (a, b, c))
+    sides = np.stack([(np.cross(*two) * (x[j] - x[i])).sum(axis=1) for two in ((v, w), (w, u), (u, v))])
+    inside = (sides > 0).all(axis=0) | (sides < 0).all(axis=0)
+    apart = ~((faces[face] == i[:, None]) | (faces[face] == j[:, None])).any(axis=1)
+    if len(cloths) > 1:
+        apart = np.searchsorted(begins, faces[face, 0], side="right") != np.searchsorted(begins, i, side="right")
+    return int((inside & apart).sum())
 
 
 def has_crossings(cloth):

@@ -21,8 +21,8 @@ def starts(count=150):
     return [1.0, 0.0] + 0.1 * noise[0], [0.0, 1.0] + 0.1 * noise[1]
 
 
-def pool(**options):
-    return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"), **options)
+def pool(method):
+    return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context(method))
 
 
 def same(one, other):
@@ -48,7 +48,7 @@ class Deadly:
 def test_workers_give_the_bits_of_threads():
     x, v = starts()
     kepler, planets = kd.systems.kepler(), kd.systems.outer_solar_system()
-    with pool() as workers:
+    with pool("spawn") as workers:
         sol = kd.solve_ensemble(kepler, SPAN, x, v, **OPTIONS, executor=workers)
         assert same(sol, kd.solve_ensemble(kepler, SPAN, x, v, **OPTIONS))
         far = planets.x0 + 1e-6 * np.arange(3)[:, None, None]
@@ -62,10 +62,11 @@ def test_workers_give_the_bits_of_threads():
 
 
 @pytest.mark.filterwarnings("ignore:a worker of the executor died:RuntimeWarning")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # of Python 3.12, where there are threads
 @pytest.mark.parametrize("at", [2, 5, 17])
 def test_a_pool_that_breaks_changes_no_bit(at):
     x, v = starts()
-    with pool() as workers:
+    with pool("fork") as workers:
         broken = Deadly(workers, at, lambda workers: (workers.submit(os._exit, 1), time.sleep(0.3)))
         sol = kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **OPTIONS, executor=broken)
     assert same(sol, kd.solve_ensemble(kd.systems.kepler(), SPAN, x, v, **OPTIONS))

@@ -493,8 +493,8 @@ def tumble(threads=False):
 
 def test_the_same_bits_run_to_run_and_for_any_number_of_threads():
     one, other = tumble(), tumble()
-    one.advance(STEP, 90)
-    for _ in range(90):
+    one.advance(STEP, 60)
+    for _ in range(60):
         other.step(STEP)
     assert bits(one) == bits(other)
     before = numba.get_num_threads()
@@ -502,7 +502,7 @@ def test_the_same_bits_run_to_run_and_for_any_number_of_threads():
         for threads in (1, 2):
             numba.set_num_threads(threads)
             world = tumble(threads=True)
-            world.advance(STEP, 90)
+            world.advance(STEP, 60)
             assert bits(world) == bits(one)
     finally:
         numba.set_num_threads(before)

@@ -75,6 +75,9 @@ def test_a_world_that_was_killed_goes_on_in_its_folder(function, after, tmp_path
     assert np.array_equal(on.x, whole.x[[0, -1]])
     if function is WRITE and after == 2:
         assert written[0] == 8  # the checkpoint is at step 100, of row 15
+
+
+def test_a_world_goes_on_to_a_later_end_and_back_to_an_earlier_one(tmp_path):
     for duration in (3.0, 4.0, 2.5):
         run(pile(), tmp_path / "kept", duration, save_to=tmp_path / "run.zarr", checkpoint_keep=None)
         same(tmp_path / "run.zarr", run(pile(), None, duration))
