@@ -57,6 +57,45 @@ def test_hard_heaps_come_to_rest(build):
     assert np.abs(world.position - start)[:, 2].max() < 0.01
 
 
+def sliding(make, mu, load, speed=(5.0, 0, 0), spin=(0, 0, 0), sunk=0.0):
+    """Let a plate 24 cm wide of 1 kg slide with a load on it."""
+    world = World()
+    world.add_plane(friction=mu)
+    own = {"friction": mu, "mass": 1.0, "position": (0, 0, 0.03 - sunk), "velocity": speed, "angular_velocity": spin}
+    carrier = world.add_box((0.24, 0.24, 0.06), **own) if make == "box" else world.add_cylinder(0.12, 0.06, **own)
+    load = world.add_box((0.08, 0.08, 0.04), position=(0, 0, 0.08), velocity=speed, friction=1.0, mass=load)
+    return world, carrier, load
+
+
+@pytest.mark.parametrize("rate", [30, 60, 240])
+@pytest.mark.parametrize("mu", [0.1, 0.4, 0.9])
+@pytest.mark.parametrize("mass", [10, 100])
+@pytest.mark.parametrize("make", ["box", "cylinder"])
+def test_heavy_loads_stop_with_what_carries_them(make, mass, mu, rate):
+    world, carrier, load = sliding(make, mu, mass)
+    world.advance(1 / rate, int(rate * (5.0 / (mu * 9.81) + 0.5)))
+    stop = 0.5 * 5.0**2 / (mu * 9.81)
+    lag = 0.5 * 5.0 / (4 * rate)  # the kick comes before the drift: half a substep of the initial speed
+    assert carrier.position[0] + lag == pytest.approx(stop, rel=1e-3)
+    assert load.position[0] == pytest.approx(carrier.position[0], abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_heaps_solved_directly_obey_coulombs_law(seed):
+    rng = np.random.default_rng(seed)
+    mu, mass = rng.choice([0.1, 0.3, 0.6]), rng.choice([1.0, 10.0, 100.0])
+    speed = (5.0, 0, 0) + 0.1 * rng.normal(size=3)
+    world, *bodies = sliding(rng.choice(["box", "cylinder"]), mu, mass, speed, rng.normal(size=3), 4e-4 * rng.random())
+    rows = [body.index for body in bodies]
+    world.tables.array(BODY)[rows, UNSOLVED] = 1 << 16
+    for _ in range(6):
+        before = world.momentum()
+        world.step(STEP)
+        assert in_heaps(world) == 2
+        given = world.momentum() - before + (0, 0, (1.0 + mass) * 9.81 * STEP)
+        assert np.hypot(*given[:2]) <= 1.01 * mu * given[2] + 1e-9
+
+
 @pytest.mark.parametrize("factor", [1.3, 1.4, 1.5, 2.0])
 @pytest.mark.parametrize("edge", [0.1, 0.05])
 def test_towers_of_growing_cubes_stand_from_the_first_step(factor, edge):

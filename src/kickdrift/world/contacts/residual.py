@@ -1,5 +1,7 @@
 """The residual of the sweeps: the normal speed of loaded points after a step."""
 
+from typing import Any
+
 from numba import carray
 
 from kickdrift.core.calls import caller
@@ -33,7 +35,7 @@ _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
 # Residuals above _NOTED times the velocity that gravity and forces add in a step are noted, and above _FAR times that they are
-# far too large. Bodies faster than _CALM times the residual are not at rest anyway, and are not marked.
+# far too large. Bodies that approach or part faster than _CALM times the residual do not press on each other.
 _NOTED, _FAR, _CALM = 0.01, 30.0, 10.0
 
 # Bits of UNSOLVED above its count: in this step the residual of a body was noted; was far too large; or the body has contacts
@@ -61,9 +63,8 @@ def measure_residual(t: float, h: float, world: int) -> None:
             if left > least:
                 a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_A + _W + lane]
                 noted = _NOTED * h * max(weight_per_mass(world, a), weight_per_mass(world, b))
-                for side in range(2):
-                    row = groups[g, c.BODIES_A + _W * side + lane]
-                    if left > noted > 0.0 and _is_slow(world, row, _CALM * left):
+                if left > noted > 0.0 and _approach(world, a, b, lanes, g * _SIZE + lane) < _CALM * left:
+                    for row in (a, b):
                         body[row, UNSOLVED] |= LEFT | FAR_LEFT if left > _FAR * noted else LEFT
     for g in range(colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
         for lane in range(_W):
@@ -74,9 +75,9 @@ def measure_residual(t: float, h: float, world: int) -> None:
 
 
 @compiled(inline=True)
-def _is_slow(world: int, row: int, speed: float) -> bool:
-    """Whether the centre of mass of a body is slower than a speed, m/s."""
-    motion = floats(world, MOTION)
-    square = motion[row, 0] ** 2 + motion[row, 1] ** 2 + motion[row, 2] ** 2
-    slow: bool = square < speed * speed
-    return slow
+def _approach(world: int, a: int, b: int, lanes: Any, lane: int) -> float:
+    """Return how fast the centres of mass of two bodies approach or part along the normal of their contact, m/s."""
+    motion, along = floats(world, MOTION), 0.0
+    for k in range(3):
+        along += lanes[lane + (c.N + k) * _W] * (motion[b, k] - motion[a, k])
+    return abs(along)

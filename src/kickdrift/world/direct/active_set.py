@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts.layout import SOLVE_EQUATIONS
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
-from kickdrift.world.direct.contacts import BOUNCE, PRESS, fix_contacts, update_contact_states
+from kickdrift.world.direct.contacts import BOUNCE, PRESS, bounds_hold, fix_contacts, update_contact_states
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
@@ -40,10 +40,12 @@ call = caller(SOLVE_ISLAND)
 # How equations are solved: until the laws are satisfied; once, with the assumed pieces; once, and the solution is not applied
 BY_LAWS, AS_ASSUMED, FOR_VELOCITIES = 0, 1, 2
 
-# Largest number of solutions with different pieces of laws assumed.
-TRIALS = 20
+# Largest number of solutions with different pieces of laws assumed. Of 1000 loads on plates that slide, rock and overlap at the
+# start, 25 get more than 1.01 times mu times their normal impulse with 20, and 9 with 40.
+TRIALS = 40
 
-# After so many of them the bounds of friction are frozen, which makes the laws convex.
+# After so many of them the bounds of friction are frozen, which makes the laws convex; the solution then gives the next bounds.
+# Without these, bounds stay what they happen to be: 589 of those 1000 get more, up to 400 times as much.
 BOUNDED = 8
 
 # Largest number of iterative refinements with the same matrix, if held rows have a residual above REFINED, m/s: for islands
@@ -127,9 +129,10 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
         settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
         if settled:
             found = left == 0 or refine(island, task, touched, world) < REFINED
+            left = left if found else left - 1
+            found = found and (trial <= BOUNDED or not touched or bounds_hold(island, task, world))
             if found:
                 break
-            left -= 1
             settled = review(island, h, task, False, False, True, touched, world)
         if not settled:
             factor_island(island, ahead, touched, world)

@@ -233,13 +233,14 @@ def bind(rows: Any) -> None:
 
 
 @compiled(cached=False, fast=True)
-def fix(rows: Any) -> None:
+def fix(own: Any, rows: Any) -> None:
     """Fix the impulses of all rows to those that act on the bodies in the accepted solution, within their bounds.
 
     The impulses of the laws at these velocities may be far from them if rows are stiff.
     """
     for k in range(CONTACT_ROWS):
         rows[GIVEN + k] = rows[BORNE + k]
+    find_bounds(own, rows)
     bind(rows)
     for k in range(CONTACT_ROWS):
         rows[CONSTANT + k] = rows[GIVEN + k]
