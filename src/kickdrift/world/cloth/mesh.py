@@ -49,8 +49,8 @@ def cloth_mesh(vertices: ArrayLike, triangles: ArrayLike) -> ClothMesh:
         repeated corners or with the same vertices, edges of three triangles, and adjacent triangles of opposite orientation;
         the message names the vertex or the triangle.
     """
-    points, faces = vertices_of(vertices), _triangles(triangles)
-    _check_corners(points, faces)
+    points = vertices_of(vertices)
+    faces = cells_of(points, triangles, 3, ("triangle", "triangles"))
     _check_areas(points, faces)
     return ClothMesh(points, faces, *shared_edges(faces))
 
@@ -129,31 +129,37 @@ def vertices_of(vertices: ArrayLike, name: str = "vertices", each: str = "vertex
     return points
 
 
-def _triangles(triangles: ArrayLike) -> Integers:
+def cells_of(points: Floats, cells: ArrayLike, corners: int, names: tuple[str, str]) -> Integers:
+    """Check triangles or tetrahedra, named for messages in the singular and the plural, and return them as an array.
+
+    Raises
+    ------
+    ArgumentError
+        For another shape than (M, corners), indices out of range, repeated corners, and vertices without any.
+    """
+    each, all_ = names
     try:
-        faces = np.asarray(triangles)
+        found = np.asarray(cells)
     except ValueError:  # rows of several lengths
-        faces = np.empty(0)
-    if faces.ndim != 2 or faces.shape[1:] != (3,) or len(faces) == 0 or faces.dtype.kind not in "iu":
+        found = np.empty(0)
+    if found.ndim != 2 or found.shape[1:] != (corners,) or len(found) == 0 or found.dtype.kind not in "iu":
         raise ArgumentError(
-            f"triangles of shape {faces.shape} and type {faces.dtype} must be an (M, 3) array of whole numbers, indices of"
-            " vertices, with at least one row."
+            f"{all_} of shape {found.shape} and type {found.dtype} must be an (M, {corners}) array of whole numbers, indices"
+            " of vertices, with at least one row."
         )
-    return faces.astype(np.int64)
-
-
-def _check_corners(points: Floats, faces: Integers) -> None:
-    wrong = np.flatnonzero(((faces < 0) | (faces >= len(points))).any(axis=1))
+    wrong = np.flatnonzero(((found < 0) | (found >= len(points))).any(axis=1))
     if wrong.size:
         raise ArgumentError(
-            f"triangle {wrong[0]} has the vertices {faces[wrong[0]]}; indices go from 0 to {len(points) - 1}."
+            f"{each} {wrong[0]} has the vertices {found[wrong[0]]}; indices go from 0 to {len(points) - 1}."
         )
-    twice = np.flatnonzero((faces == np.roll(faces, 1, axis=1)).any(axis=1))
+    in_order = np.sort(found, axis=1)
+    twice = np.flatnonzero((in_order[:, 1:] == in_order[:, :-1]).any(axis=1))
     if twice.size:
-        raise ArgumentError(f"triangle {twice[0]} has a vertex twice: {faces[twice[0]]}.")
-    unused = np.setdiff1d(np.arange(len(points)), faces)
+        raise ArgumentError(f"{each} {twice[0]} has a vertex twice: {found[twice[0]]}.")
+    unused = np.setdiff1d(np.arange(len(points)), found)
     if unused.size:
-        raise ArgumentError(f"vertex {unused[0]} is in no triangle, so that it has no mass; leave it out.")
+        raise ArgumentError(f"vertex {unused[0]} is in no {each}, so that it has no mass; leave it out.")
+    return found.astype(np.int64)
 
 
 def _check_areas(points: Floats, faces: Integers) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.cloth.mesh import ClothMesh, shared_edges, vertices_of
+from kickdrift.world.cloth.mesh import ClothMesh, cells_of, shared_edges, vertices_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -47,8 +47,8 @@ def tetrahedral_mesh(vertices: ArrayLike, tetrahedra: ArrayLike) -> TetrahedralM
         For numbers that are not finite, indices out of range, vertices without tetrahedra, tetrahedra that are flat, inverted
         or overlap others at a triangle, and edges of the surface with more than two triangles; the message names them.
     """
-    points, cells = vertices_of(vertices), _tetrahedra(tetrahedra)
-    _check_corners(points, cells)
+    points = vertices_of(vertices)
+    cells = cells_of(points, tetrahedra, 4, ("tetrahedron", "tetrahedra"))
     corners = points[cells]
     edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
     signed = np.linalg.det(edges)
@@ -79,34 +79,6 @@ def box_mesh(size: Floats, cells: tuple[int, int, int]) -> tuple[Floats, Integer
         second, third = (way[0], way[1]) if turns else (way[1], way[0])
         found.append(np.stack((corner, corner + second, corner + third, corner + way[2]), axis=1))
     return points, np.concatenate(found)
-
-
-def _tetrahedra(tetrahedra: ArrayLike) -> Integers:
-    try:
-        cells = np.asarray(tetrahedra)
-    except ValueError:  # rows of several lengths
-        cells = np.empty(0)
-    if cells.ndim != 2 or cells.shape[1:] != (4,) or len(cells) == 0 or cells.dtype.kind not in "iu":
-        raise ArgumentError(
-            f"tetrahedra of shape {cells.shape} and type {cells.dtype} have to be an (M, 4) array of whole numbers, one row or "
-            "more: numbers of vertices."
-        )
-    return cells.astype(np.int64)
-
-
-def _check_corners(points: Floats, cells: Integers) -> None:
-    wrong = np.flatnonzero(((cells < 0) | (cells >= len(points))).any(axis=1))
-    if wrong.size:
-        raise ArgumentError(
-            f"tetrahedron {wrong[0]} has the vertices {cells[wrong[0]]}; there are those from 0 to {len(points) - 1}."
-        )
-    in_order = np.sort(cells, axis=1)
-    twice = np.flatnonzero((in_order[:, 1:] == in_order[:, :-1]).any(axis=1))
-    if twice.size:
-        raise ArgumentError(f"tetrahedron {twice[0]} has a vertex twice: {cells[twice[0]]}.")
-    unused = np.setdiff1d(np.arange(len(points)), cells)
-    if unused.size:
-        raise ArgumentError(f"vertex {unused[0]} is in no tetrahedron, so that it has no mass; leave it out.")
 
 
 def _check_volumes(corners: Floats, signed: Floats) -> None:
