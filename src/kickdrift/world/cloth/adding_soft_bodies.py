@@ -124,9 +124,9 @@ class AddsSoftBodies(AddsDeformables):
         """
         sides, counts = vector("size", size, 3), np.asarray(cells)
         if not (sides > 0.0).all():
-            raise ArgumentError(f"size={size!r} has to be positive, in m.")
+            raise ArgumentError(f"size={size!r} must be positive, in m.")
         if counts.shape != (3,) or counts.dtype.kind not in "iu" or (counts < 1).any():
-            raise ArgumentError(f"cells={cells!r} have to be three whole numbers, each one or more.")
+            raise ArgumentError(f"cells={cells!r} must be three whole numbers of at least 1.")
         nx, ny, nz = counts.tolist()
         if (nx + 1) * (ny + 1) * (nz + 1) > MOST_VERTICES:
             raise ArgumentError(f"cells={cells!r} have more than {MOST_VERTICES} vertices; give fewer.")

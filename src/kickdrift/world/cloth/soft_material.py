@@ -64,7 +64,7 @@ class SoftMaterial:
             ratio = math.nan
         if not -_FARTHEST <= ratio <= 0.5 * _FARTHEST:
             raise ArgumentError(
-                f"poisson_ratio={self.poisson_ratio!r} has to be from {-_FARTHEST:g} to {0.5 * _FARTHEST:g}; at -1 and 0.5 a "
+                f"poisson_ratio={self.poisson_ratio!r} must be from {-_FARTHEST:g} to {0.5 * _FARTHEST:g}; at -1 and 0.5 a "
                 "modulus would be infinite."
             )
         object.__setattr__(self, "poisson_ratio", ratio)
