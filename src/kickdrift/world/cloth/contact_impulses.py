@@ -1,8 +1,11 @@
-"""Impulses between the particles of a cloth, or the segments of a rope, and the bodies that they touch."""
+"""Impulses between particles, segments or triangles of cloths and the bodies that they touch."""
+
+from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, length, minus, plus, product, times
 from kickdrift.world.cloth.contact_lanes import resolve_lanes
+from kickdrift.world.cloth.contact_rows import Corners
 from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_NORMAL,
@@ -13,9 +16,10 @@ from kickdrift.world.cloth.layout import (
     LAST_CONTACT,
     MOVES_BODY,
     OTHER_PARTICLE,
-    OTHER_SHARE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
+    SHARES,
+    THIRD_PARTICLE,
     TOUCHED_BODY,
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
@@ -71,29 +75,30 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
 
 @compiled
 def _resolve(world: int, row: int, part: float, push: float, left: float) -> None:
-    """Resolve one contact, at a point between two particles, or of one that counts as both."""
+    """Resolve one contact, at a point of a triangle of particles; see `kickdrift.world.cloth.contact_rows.note_contact`."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     particle, motion = floats(world, PARTICLE), floats(world, MOTION)
-    i, j, body = contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, TOUCHED_BODY]
-    moves, s = contact[row, MOVES_BODY] != 0, numbers[row, OTHER_SHARE]
-    by_i, by_j = (1.0 - s) * particle[i, PARTICLE_INVERSE_MASS], s * particle[j, PARTICLE_INVERSE_MASS]
-    inverse_mass = (1.0 - s) * by_i + s * by_j
+    i, j, k = contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE]
+    share, body, moves = vector_at(numbers, row, SHARES), contact[row, TOUCHED_BODY], contact[row, MOVES_BODY] != 0
+    by = (
+        share[0] * particle[i, PARTICLE_INVERSE_MASS],
+        share[1] * particle[j, PARTICLE_INVERSE_MASS],
+        share[2] * particle[k, PARTICLE_INVERSE_MASS],
+    )
+    inverse_mass = dot(share, by)
     n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
     ground = vector_at(numbers, row, GROUND_VELOCITY)
     if moves:
         turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm)
         ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
-    speed_i, speed_j = vector_at(particle, i, PARTICLE_VELOCITY), vector_at(particle, j, PARTICLE_VELOCITY)
-    v = minus(plus(times(1.0 - s, speed_i), times(s, speed_j)), ground)
+    v = minus(times(share[0], vector_at(particle, i, PARTICLE_VELOCITY)), ground)
+    v = plus(v, times(share[1], vector_at(particle, j, PARTICLE_VELOCITY)))
+    v = plus(v, times(share[2], vector_at(particle, k, PARTICLE_VELOCITY)))
     gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
-    if gap < 0.0:
-        out = min(
-            -gap, part * push * inverse_mass / max(by_i, by_j)
-        )  # neither moves faster, beside a pinned end either
+    if gap < 0.0:  # no particle moves faster than `push`, beside a pinned one either
+        out = min(-gap, part * push * inverse_mass / max(by[0], by[1], by[2]))
         gap += out
-        for k in range(3):
-            particle[i, k] += out * (by_i / inverse_mass) * n[k]
-            particle[j, k] += out * (by_j / inverse_mass) * n[k]
+        _shift(particle, (i, j, k), 0, by, times(out / inverse_mass, n))
     wanted = -max(gap, 0.0) / part
     numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
     if approach >= wanted:
@@ -106,11 +111,18 @@ def _resolve(world: int, row: int, part: float, push: float, left: float) -> Non
         along = times(1.0 / speed, slip)
         stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
         impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
-    for k in range(3):
-        particle[i, PARTICLE_VELOCITY + k] += by_i * impulse[k]
-        particle[j, PARTICLE_VELOCITY + k] += by_j * impulse[k]
+    _shift(particle, (i, j, k), PARTICLE_VELOCITY, by, impulse)
     if moves:
         _push_body(world, body, arm, times(-1.0, impulse), left)
+
+
+@compiled(inline=True)
+def _shift(particle: Any, corners: Corners, column: int, by: Vector, way: Vector) -> None:
+    """Add a vector to one of each of three particles, times `by`."""
+    for k in range(3):
+        particle[corners[0], column + k] += by[0] * way[k]
+        particle[corners[1], column + k] += by[1] * way[k]
+        particle[corners[2], column + k] += by[2] * way[k]
 
 
 @compiled(inline=True)

@@ -1,4 +1,4 @@
-"""Rows of contacts between particles of cloths, or segments of ropes, and shapes of bodies."""
+"""Rows of contacts between particles, segments or triangles of cloths and shapes of bodies."""
 
 import math
 
@@ -12,8 +12,9 @@ from kickdrift.world.cloth.layout import (
     GROUND_VELOCITY,
     MOVES_BODY,
     OTHER_PARTICLE,
-    OTHER_SHARE,
     PARTICLE_VELOCITY,
+    SHARES,
+    THIRD_PARTICLE,
     TOUCHED_BODY,
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
@@ -52,13 +53,17 @@ from kickdrift.world.tables import (
 )
 
 Touch = tuple[Vector, float, Vector]
+Corners = tuple[int, int, int]
+
+AT_FIRST: Vector = (1.0, 0.0, 0.0)  # barycentric coordinates of a particle alone
 
 
 @compiled
-def note_contact(world: int, cloth: int, shape: int, i: int, j: int, share: float, touch: Touch, h: float) -> bool:
-    """Add a row for the point of the segment from particle i to j at `share` that may touch a shape; False if there is no room.
+def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: Vector, touch: Touch, h: float) -> bool:
+    """Add a row for a point of a triangle of particles that may touch a shape; False if there is no room.
 
-    `touch` is the normal from the shape, the gap and the point of the shape. Of a particle alone, j is i and `share` zero.
+    `shares` are its barycentric coordinates; a segment is a triangle whose last corner has none, a particle alone is all three.
+    `touch` is the normal from the shape, the gap and the point of the shape.
     """
     normal, gap, point = touch
     row = rows(world, CLOTH_CONTACT)
@@ -68,8 +73,10 @@ def note_contact(world: int, cloth: int, shape: int, i: int, j: int, share: floa
     set_rows(world, CLOTH_CONTACT, row + 1)
     contact, numbers, place = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PLACE)
     body, pose = integers(world, SHAPE)[shape, BODY_ROW], floats(world, POSE)
-    contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, TOUCHED_BODY] = i, j, body
-    contact[row, MOVES_BODY], numbers[row, OTHER_SHARE] = int(_moves(world, i, body) or _moves(world, j, body)), share
+    i, j, k = corners
+    contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE] = corners
+    contact[row, TOUCHED_BODY] = body
+    contact[row, MOVES_BODY] = int(_moves(world, i, body) or _moves(world, j, body) or _moves(world, k, body))
     arm = minus(point, vector_at(pose, body, POSITION))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
@@ -81,7 +88,7 @@ def note_contact(world: int, cloth: int, shape: int, i: int, j: int, share: floa
     numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
-        numbers[row, GROUND_VELOCITY + k] = runs[k]
+        numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
     return True
 
 
