@@ -5,8 +5,8 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, conjugate, dot, minus, plus, times, turned, turned_back
-from kickdrift.world.cloth.contact_rows import Touch
-from kickdrift.world.collision.narrow_phase import collide, shape_pose
+from kickdrift.world.cloth.contact_rows import Pose, Touch
+from kickdrift.world.collision.narrow_phase import collide
 from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT
 from kickdrift.world.layout import BEGIN, SHAPE_KIND, SIZE
@@ -19,8 +19,10 @@ _NONE: Touch = ((0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0))
 
 
 @compiled
-def touch_of_ball(world: int, shape: int, triangle: int, p: Vector, radius: float, margin: float) -> tuple[bool, Touch]:
-    """Return whether a ball at p is within a margin of a shape, or of one of its triangles, and where.
+def touch_of_ball(
+    world: int, shape: int, triangle: int, start: Pose, p: Vector, radius: float, margin: float
+) -> tuple[bool, Touch]:
+    """Return whether a ball at p is within a margin of a shape in a pose, or of one of its triangles, and where.
 
     Returns
     -------
@@ -35,7 +37,7 @@ def touch_of_ball(world: int, shape: int, triangle: int, p: Vector, radius: floa
     ball, pose = carray(floats_on_stack(1), (1,)), carray(floats_on_stack(7), (7,))
     manifold = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
     ball[0] = radius
-    at, q = shape_pose(world, shape)
+    at, q = start
     numbers, function = geometry[begin : begin + size], integers(world, COLLIDERS)
     is_first = kind <= SPHERE  # the shape is the first of the pair
     if is_first:

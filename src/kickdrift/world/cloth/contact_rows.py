@@ -3,7 +3,7 @@
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus, plus, turned
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, exponential, minus, plus, product, times, turned
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_GAP,
@@ -28,6 +28,8 @@ from kickdrift.world.layout import (
     DYNAMIC,
     FRICTION,
     ORIENTATION,
+    PLACE_ORIENTATION,
+    PLACE_POSITION,
     POSITION,
     SURFACE_VELOCITY,
     VELOCITY,
@@ -52,6 +54,7 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
+Pose = tuple[Vector, Quaternion]
 Touch = tuple[Vector, float, Vector]
 Corners = tuple[int, int, int]
 
@@ -59,11 +62,29 @@ AT_FIRST: Vector = (1.0, 0.0, 0.0)  # barycentric coordinates of a particle alon
 
 
 @compiled
+def start_pose(world: int, shape: int, h: float) -> Pose:
+    """Return the pose of a shape at the start of a substep, h s ago: bodies have drifted already, cloths have not."""
+    place, motion, body = floats(world, PLACE), floats(world, MOTION), integers(world, SHAPE)[shape, BODY_ROW]
+    q = quaternion_at(floats(world, POSE), body, ORIENTATION)
+    spin = vector_at(motion, body, ANGULAR_VELOCITY)
+    if dot(spin, spin) > 0.0:
+        q = product(exponential(times(-h, spin)), q)
+    at = plus(_start_of_body(world, body, h), turned(q, vector_at(place, shape, PLACE_POSITION)))
+    return at, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))
+
+
+@compiled(inline=True)
+def _start_of_body(world: int, body: int, h: float) -> Vector:
+    v = vector_at(floats(world, MOTION), body, VELOCITY)
+    return minus(vector_at(floats(world, POSE), body, POSITION), times(h, v))
+
+
+@compiled
 def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: Vector, touch: Touch, h: float) -> bool:
     """Add a row for a point of a triangle of particles that may touch a shape; False if there is no room.
 
     `shares` are its barycentric coordinates; a segment is a triangle whose last corner has none, a particle alone is all three.
-    `touch` is the normal from the shape, the gap and the point of the shape.
+    `touch` is the normal from the shape, the gap and the point of the shape, at the start of the substep of h s.
     """
     normal, gap, point = touch
     row = rows(world, CLOTH_CONTACT)
@@ -77,15 +98,14 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE] = corners
     contact[row, TOUCHED_BODY] = body
     contact[row, MOVES_BODY] = int(_moves(world, i, body) or _moves(world, j, body) or _moves(world, k, body))
-    arm = minus(point, vector_at(pose, body, POSITION))
+    arm = minus(point, _start_of_body(world, body, h))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
     motion = floats(world, MOTION)
     moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
     if contact[row, MOVES_BODY] == 0:
         runs = plus(runs, moves)
-    # The body has moved already, the particle has not: the gap is that at the start of the substep.
-    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
+    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]

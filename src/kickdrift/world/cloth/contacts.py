@@ -8,7 +8,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, length, minus, turned
 from kickdrift.world.cloth.ball_contact import touch_of_ball
-from kickdrift.world.cloth.contact_rows import AT_FIRST, note_contact
+from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, note_contact, start_pose
 from kickdrift.world.cloth.face_contacts import find_faces
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
@@ -29,7 +29,6 @@ from kickdrift.world.cloth.layout import (
 from kickdrift.world.cloth.segment_contacts import find_segments
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.narrow_phase import shape_pose
 from kickdrift.world.collision.overlap_query import find_near, find_triangles
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
@@ -131,7 +130,8 @@ def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> 
     """Find the particles of a cloth that may touch a shape; False if there is no room for them."""
     own, particle, place = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PLACE)
     body, motion = integers(world, SHAPE)[shape, BODY_ROW], floats(world, MOTION)
-    at, q = shape_pose(world, shape)
+    start = start_pose(world, shape, h)
+    at, q = start
     speed = length(vector_at(motion, body, VELOCITY))
     around, sort = place[shape, RADIUS], sort_of(world, shape)
     speed += length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
@@ -143,31 +143,33 @@ def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> 
         margin = h * (speed + length(vector_at(particle, i, PARTICLE_VELOCITY))) + radius
         reach = margin + radius
         if sort == SURFACE:
-            found = _find_on_surface(world, cloth, i, shape, margin, after, h)
+            found = _find_on_surface(world, cloth, i, shape, start, margin, after, h)
         elif sort == HALF_SPACE:
-            found = dot(away, up) > reach or _touch(world, cloth, i, shape, -1, margin, h)
+            found = dot(away, up) > reach or _touch(world, cloth, i, shape, -1, start, margin, h)
         else:
-            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, margin, h)
+            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, start, margin, h)
         if not found:
             return False
     return True
 
 
 @compiled
-def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int, h: float) -> bool:
+def _find_on_surface(
+    world: int, cloth: int, i: int, shape: int, start: Pose, margin: float, after: int, h: float
+) -> bool:
     """Find the contacts of a particle with the triangles of a surface; False if there is no room."""
     p, near = vector_at(floats(world, PARTICLE), i, 0), flat(world, CLOTH_NEAR)[after:]
     reach = margin + floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     box = (p[0] - reach, p[1] - reach, p[2] - reach, p[0] + reach, p[1] + reach, p[2] + reach)
     fits = True
     for k in range(find_triangles(world, shape, box, near)):
-        fits = fits and _touch(world, cloth, i, shape, int(near[k]), margin, h)
+        fits = fits and _touch(world, cloth, i, shape, int(near[k]), start, margin, h)
     return fits
 
 
 @compiled
-def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float, h: float) -> bool:
+def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, start: Pose, margin: float, h: float) -> bool:
     """Add the contact of a particle with a shape, or one of its triangles, if there is one; False if there is no room."""
     p, radius = vector_at(floats(world, PARTICLE), i, 0), floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
-    touches, touch = touch_of_ball(world, shape, triangle, p, radius, margin)
+    touches, touch = touch_of_ball(world, shape, triangle, start, p, radius, margin)
     return not touches or note_contact(world, cloth, shape, (i, i, i), AT_FIRST, touch, h)

@@ -11,7 +11,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.cloth.ball_contact import touch_of_ball
-from kickdrift.world.cloth.contact_rows import Corners, note_contact
+from kickdrift.world.cloth.contact_rows import Corners, Pose, note_contact, start_pose
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     CORNERS,
@@ -22,7 +22,7 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.proximity import barycentric
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.narrow_phase import collide, radius, shape_pose
+from kickdrift.world.collision.narrow_phase import collide, radius
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
 from kickdrift.world.layout import ANGULAR_VELOCITY, BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE, VELOCITY
@@ -68,7 +68,7 @@ def find_faces(world: int, cloth: int, shape: int, h: float) -> bool:
         floats(world, PLACE)[shape, RADIUS],
         floats(world, MOTION),
     )
-    at, _ = shape_pose(world, shape)
+    start = start_pose(world, shape, h)
     speed = length(vector_at(motion, body, VELOCITY)) + length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
     half, covered = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS], 2.0 * radius(world, shape)
     covered *= half
@@ -83,26 +83,35 @@ def find_faces(world: int, cloth: int, shape: int, h: float) -> bool:
         if size <= covered:
             continue
         size, margin = math.sqrt(size), h * (speed + math.sqrt(fastest)) + half
-        away, reach = minus(middle, at), around + size + margin + half
-        if dot(away, away) <= reach * reach and not _touch(world, cloth, (i, j, k), corners, size, shape, margin, h):
+        away, reach = minus(middle, start[0]), around + size + margin + half
+        if dot(away, away) <= reach * reach and not _touch(
+            world, cloth, (i, j, k), corners, size, shape, start, margin, h
+        ):
             return False
     return True
 
 
 @compiled
 def _touch(
-    world: int, cloth: int, particles: Corners, corners: Triangle, size: float, shape: int, margin: float, h: float
+    world: int,
+    cloth: int,
+    particles: Corners,
+    corners: Triangle,
+    size: float,
+    shape: int,
+    start: Pose,
+    margin: float,
+    h: float,
 ) -> bool:
     """Add the contacts of a triangle with a solid; False if there is no room.
 
     The front of the triangle is the side from which the shape comes closest to the point that is nearest to its middle.
     """
-    at, q = shape_pose(world, shape)
     half = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
-    u, v, w = corners
+    (u, v, w), (at, q) = corners, start
     near = barycentric(at, u, v, w)
     p = plus(plus(times(near[0], u), times(near[1], v)), times(near[2], w))
-    touches, touch = touch_of_ball(world, shape, -1, p, half, margin + 2.0 * size)
+    touches, touch = touch_of_ball(world, shape, -1, start, p, half, margin + 2.0 * size)
     across = cross(minus(v, u), minus(w, u))
     if not touches or abs(dot(touch[0], across)) <= _EDGE_ON * length(across):
         return True

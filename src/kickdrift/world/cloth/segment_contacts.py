@@ -23,7 +23,7 @@ from kickdrift.core.vectors import (
     turned_back,
     unit,
 )
-from kickdrift.world.cloth.contact_rows import note_contact
+from kickdrift.world.cloth.contact_rows import Pose, note_contact, start_pose
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     FIRST_PARTICLE,
@@ -32,7 +32,7 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_VELOCITY,
 )
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.narrow_phase import collide, shape_pose
+from kickdrift.world.collision.narrow_phase import collide
 from kickdrift.world.collision.overlap_query import find_triangles
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
@@ -72,7 +72,7 @@ def find_segments(world: int, cloth: int, shape: int, h: float, after: int) -> b
     )
     if sort == HALF_SPACE:
         return True  # ends are the lowest points
-    at, _ = shape_pose(world, shape)
+    start = start_pose(world, shape, h)
     speed = length(vector_at(motion, body, VELOCITY)) + length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
     radius = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE] - 1):
@@ -83,18 +83,20 @@ def find_segments(world: int, cloth: int, shape: int, h: float, after: int) -> b
         )
         margin = h * (speed + fastest) + radius
         p, q = vector_at(particle, i, 0), vector_at(particle, i + 1, 0)
-        away, reach = minus(times(0.5, plus(p, q)), at), margin + radius + 0.5 * length(minus(q, p))
+        away, reach = minus(times(0.5, plus(p, q)), start[0]), margin + radius + 0.5 * length(minus(q, p))
         if sort == SURFACE:
-            found = _find_on_surface(world, cloth, i, shape, margin, after, h)
+            found = _find_on_surface(world, cloth, i, shape, start, margin, after, h)
         else:
-            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, margin, h)
+            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, start, margin, h)
         if not found:
             return False
     return True
 
 
 @compiled
-def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int, h: float) -> bool:
+def _find_on_surface(
+    world: int, cloth: int, i: int, shape: int, start: Pose, margin: float, after: int, h: float
+) -> bool:
     """Find the contacts of a segment with the triangles of a surface; False if there is no room."""
     particle, near = floats(world, PARTICLE), flat(world, CLOTH_NEAR)[after:]
     p, q, reach = (
@@ -107,12 +109,12 @@ def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, 
     box = (low[0], low[1], low[2], high[0], high[1], high[2])
     fits = True
     for k in range(find_triangles(world, shape, box, near)):
-        fits = fits and _touch(world, cloth, i, shape, int(near[k]), margin, h)
+        fits = fits and _touch(world, cloth, i, shape, int(near[k]), start, margin, h)
     return fits
 
 
 @compiled
-def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float, h: float) -> bool:
+def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, start: Pose, margin: float, h: float) -> bool:
     """Add the contacts of a segment with a shape, or one of its triangles; False if there is no room."""
     shapes, particle, function = integers(world, SHAPE), floats(world, PARTICLE), integers(world, COLLIDERS)
     begin, size, kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
@@ -127,7 +129,7 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
     if half == 0.0:
         return True
     middle, turn = times(0.5, plus(p, q)), _turn_to(times(0.5 / half, way))
-    at, pose_turn = shape_pose(world, shape)
+    at, pose_turn = start
     capsule[0], capsule[1] = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS], half
     is_first = kind <= CAPSULE  # the shape is the first of the pair
     if is_first:
