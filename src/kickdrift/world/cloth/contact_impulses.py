@@ -5,25 +5,25 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, length, minus, plus, product, times
 from kickdrift.world.cloth.contact_lanes import resolve_lanes
-from kickdrift.world.cloth.contact_rows import Corners
+from kickdrift.world.cloth.contact_rows import add_shares, shares_of
 from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_NORMAL,
     CONTACT_FRICTION,
+    CONTACT_IMPULSE,
     FIRST_CONTACT,
     GROUND_VELOCITY,
     IN_LANES,
     LAST_CONTACT,
     MOVES_BODY,
     OTHER_PARTICLE,
-    PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
-    SHARES,
-    THIRD_PARTICLE,
+    SHARED_PARTS,
     TOUCHED_BODY,
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.cloth.tilting import resist_tilting
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.layout import (
@@ -40,6 +40,7 @@ from kickdrift.world.tables import (
     CLOTH,
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
+    CLOTH_SEARCH,
     DELTA_POSE,
     INVERSE_MASS,
     MOTION,
@@ -49,80 +50,135 @@ from kickdrift.world.tables import (
     integers,
 )
 
+# Largest number of sweeps, and the change of speed, m/s, that ends them: with 8, loaded sheets tremble up to twice as much.
+_SWEEPS, _ENOUGH = 16, 1e-3
+
 
 @compiled
 def resolve_contacts(world: int, cloth: int, part: float, push: float, left: float) -> None:
-    """Stop the particles of a cloth from moving into shapes in a part of a substep, with the reactions on bodies.
+    """Stop a cloth from moving into shapes in a part of a substep, with the reactions on bodies: projected Gauss-Seidel.
 
     Bodies move with their changes of velocity for the time `left` in the substep, s. Particles that are inside already are
     pushed out, at most with the speed `push`, m/s, without gaining velocity.
     """
-    cloths, contact, numbers = (
-        integers(world, CLOTH),
+    contact, first, last = (
         integers(world, CLOTH_CONTACT),
-        floats(world, CLOTH_CONTACT_NUMBERS),
+        integers(world, CLOTH)[cloth, FIRST_CONTACT],
+        integers(world, CLOTH)[cloth, LAST_CONTACT],
     )
-    particle = floats(world, PARTICLE)
-    row = cloths[cloth, FIRST_CONTACT]
-    while row < cloths[cloth, LAST_CONTACT]:
+    numbers, particle = floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PARTICLE)
+    row, shared = first, False
+    while row < last:
         if contact[row, IN_LANES] != 0:
             resolve_lanes(contact, numbers, particle, row, part, push)
-            row += WIDTH
         else:
-            _resolve(world, row, part, push, left)
-            row += 1
-
-
-@compiled
-def _resolve(world: int, row: int, part: float, push: float, left: float) -> None:
-    """Resolve one contact, at a point of a triangle of particles; see `kickdrift.world.cloth.contact_rows.note_contact`."""
-    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    particle, motion = floats(world, PARTICLE), floats(world, MOTION)
-    i, j, k = contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE]
-    share, body, moves = vector_at(numbers, row, SHARES), contact[row, TOUCHED_BODY], contact[row, MOVES_BODY] != 0
-    by = (
-        share[0] * particle[i, PARTICLE_INVERSE_MASS],
-        share[1] * particle[j, PARTICLE_INVERSE_MASS],
-        share[2] * particle[k, PARTICLE_INVERSE_MASS],
-    )
-    inverse_mass = dot(share, by)
-    n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
-    ground = vector_at(numbers, row, GROUND_VELOCITY)
-    if moves:
-        turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm)
-        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
-    v = minus(times(share[0], vector_at(particle, i, PARTICLE_VELOCITY)), ground)
-    v = plus(v, times(share[1], vector_at(particle, j, PARTICLE_VELOCITY)))
-    v = plus(v, times(share[2], vector_at(particle, k, PARTICLE_VELOCITY)))
-    gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
-    if gap < 0.0:  # no particle moves faster than `push`, beside a pinned one either
-        out = min(-gap, part * push * inverse_mass / max(by[0], by[1], by[2]))
-        gap += out
-        _shift(particle, (i, j, k), 0, by, times(out / inverse_mass, n))
-    wanted = -max(gap, 0.0) / part
-    numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
-    if approach >= wanted:
-        return
-    given = (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
-    impulse = times(given, n)
-    slip = minus(v, times(approach, n))
-    speed = length(slip)
-    if speed > 0.0:
-        along = times(1.0 / speed, slip)
-        stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
-        impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
-    _shift(particle, (i, j, k), PARTICLE_VELOCITY, by, impulse)
-    if moves:
-        _push_body(world, body, arm, times(-1.0, impulse), left)
+            shared = shared or contact[row, OTHER_PARTICLE] != contact[row, TOUCHING_PARTICLE]
+            _begin(world, row, part * push)
+            _resolve(world, row, part, left)
+        row = _after(contact, row)
+    if shared:
+        _iterate(world, first, last, part, left)
+    row = first
+    while row < last:
+        if contact[row, IN_LANES] == 0:
+            _advance_gap(world, row, part)
+        row = _after(contact, row)
 
 
 @compiled(inline=True)
-def _shift(particle: Any, corners: Corners, column: int, by: Vector, way: Vector) -> None:
-    """Add a vector to one of each of three particles, times `by`."""
+def _after(contact: Any, row: int) -> int:
+    """Return the row of the next contact, or of the next eight."""
+    return row + WIDTH if contact[row, IN_LANES] != 0 else row + 1
+
+
+@compiled
+def _iterate(world: int, first: int, last: int, part: float, left: float) -> None:
+    """Iterate the impulses of contacts that share particles until they change little, and apply the torques of triangles."""
+    contact, h = integers(world, CLOTH_CONTACT), part * floats(world, CLOTH_SEARCH)[0, SHARED_PARTS]
+    for _ in range(_SWEEPS):
+        row, change = first, 0.0
+        while row < last:
+            if contact[row, IN_LANES] == 0:
+                change = max(change, _resolve(world, row, part, left))
+            row = _after(contact, row)
+        if change < _ENOUGH:
+            break
+    row = first
+    while row < last:
+        if contact[row, IN_LANES] == 0:
+            resist_tilting(world, row, h)
+        row = _after(contact, row)
+
+
+@compiled
+def _begin(world: int, row: int, most: float) -> None:
+    """Begin a contact: a point inside its shape moves out, and no particle by more than `most`, beside a pinned one either."""
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
+    for k in range(4):
+        numbers[row, CONTACT_IMPULSE + k] = 0.0
+    gap = numbers[row, CLOTH_GAP]
+    if gap < 0.0:
+        corners, _, by, inverse_mass = shares_of(world, row)
+        out = min(-gap, most * inverse_mass / max(by[0], by[1], by[2]))
+        numbers[row, CLOTH_GAP] = gap + out
+        n = vector_at(numbers, row, CLOTH_NORMAL)
+        add_shares(floats(world, PARTICLE), corners, 0, by, times(out / inverse_mass, n))
+
+
+@compiled
+def _velocity(world: int, row: int) -> Vector:
+    """Return the velocity of a point relative to the surface that it touches."""
+    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
+    particle, motion, body = floats(world, PARTICLE), floats(world, MOTION), contact[row, TOUCHED_BODY]
+    (i, j, k), share, _, _ = shares_of(world, row)
+    ground = vector_at(numbers, row, GROUND_VELOCITY)
+    if contact[row, MOVES_BODY] != 0:
+        turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), vector_at(numbers, row, TOUCHED_POINT))
+        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
+    v = minus(times(share[0], vector_at(particle, i, PARTICLE_VELOCITY)), ground)
+    v = plus(v, times(share[1], vector_at(particle, j, PARTICLE_VELOCITY)))
+    return plus(v, times(share[2], vector_at(particle, k, PARTICLE_VELOCITY)))
+
+
+@compiled
+def _resolve(world: int, row: int, part: float, left: float) -> float:
+    """Change the impulse of a contact so that it obeys the laws of contact and friction; return the change of speed, m/s."""
+    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
+    corners, _, by, inverse_mass = shares_of(world, row)
+    body, moves = contact[row, TOUCHED_BODY], contact[row, MOVES_BODY] != 0
+    n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
+    v = _velocity(world, row)
+    approach, wanted = dot(n, v), -max(numbers[row, CLOTH_GAP], 0.0) / part
+    before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
+    now = before + (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
+    now = max(now, 0.0)
+    if now == 0.0 and before == 0.0:
+        return 0.0
+    slip = minus(v, times(approach, n))
+    speed, friction = length(slip), sliding
+    if speed > 0.0:
+        along = times(1.0 / speed, slip)
+        stop = 1.0 / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
+        friction = minus(sliding, times(stop, slip))
+    size, most = length(friction), numbers[row, CONTACT_FRICTION] * now
+    if size > most:
+        friction = times(most / size, friction)
+    impulse = plus(times(now - before, n), minus(friction, sliding))
+    numbers[row, CONTACT_IMPULSE] = now
     for k in range(3):
-        particle[corners[0], column + k] += by[0] * way[k]
-        particle[corners[1], column + k] += by[1] * way[k]
-        particle[corners[2], column + k] += by[2] * way[k]
+        numbers[row, CONTACT_IMPULSE + 1 + k] = friction[k]
+    add_shares(floats(world, PARTICLE), corners, PARTICLE_VELOCITY, by, impulse)
+    if moves:
+        _push_body(world, body, arm, times(-1.0, impulse), left)
+    return inverse_mass * length(impulse)
+
+
+@compiled
+def _advance_gap(world: int, row: int, part: float) -> None:
+    """Let the gap of a contact change in a part with the velocity that its point has."""
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
+    approach = dot(vector_at(numbers, row, CLOTH_NORMAL), _velocity(world, row))
+    numbers[row, CLOTH_GAP] += part * approach
 
 
 @compiled(inline=True)

@@ -1,6 +1,7 @@
 """Rows of contacts between particles, segments or triangles of cloths and shapes of bodies."""
 
 import math
+from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, exponential, minus, plus, product, times, turned
@@ -9,9 +10,11 @@ from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_NORMAL,
     CONTACT_FRICTION,
+    CONTACT_RADIUS,
     GROUND_VELOCITY,
     MOVES_BODY,
     OTHER_PARTICLE,
+    PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     SHARES,
     THIRD_PARTICLE,
@@ -19,10 +22,12 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.collision.dispatch import is_round
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     AWAKE,
+    BEGIN,
     BODY_KIND,
     BODY_ROW,
     DYNAMIC,
@@ -41,12 +46,14 @@ from kickdrift.world.tables import (
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
     CLOTH_NUMBERS,
+    GEOMETRY,
     MOTION,
     PARTICLE,
     PLACE,
     POSE,
     SETTINGS,
     SHAPE,
+    flat,
     floats,
     integers,
     room,
@@ -106,6 +113,8 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     if contact[row, MOVES_BODY] == 0:
         runs = plus(runs, moves)
     numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
+    own = integers(world, SHAPE)
+    numbers[row, CONTACT_RADIUS] = flat(world, GEOMETRY)[own[shape, BEGIN]] if is_round(world, shape) else 0.0
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
@@ -119,3 +128,26 @@ def _moves(world: int, i: int, body: int) -> bool:
     slow = floats(world, SETTINGS)[0, SLEEP_SPEED]
     takes: bool = own[body, BODY_KIND] == DYNAMIC and (own[body, AWAKE] != 0 or dot(v, v) > slow * slow)
     return takes
+
+
+@compiled
+def shares_of(world: int, row: int) -> tuple[Corners, Vector, Vector, float]:
+    """Return the particles of a contact, their shares, those over their masses, and the inverse mass of the point."""
+    contact, particle = integers(world, CLOTH_CONTACT), floats(world, PARTICLE)
+    corners = (contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE])
+    share = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, SHARES)
+    by = (
+        share[0] * particle[corners[0], PARTICLE_INVERSE_MASS],
+        share[1] * particle[corners[1], PARTICLE_INVERSE_MASS],
+        share[2] * particle[corners[2], PARTICLE_INVERSE_MASS],
+    )
+    return corners, share, by, dot(share, by)
+
+
+@compiled(inline=True)
+def add_shares(particle: Any, corners: Corners, column: int, by: Vector, way: Vector) -> None:
+    """Add a vector, times each of `by`, to the vectors of three particles at a column."""
+    for k in range(3):
+        particle[corners[0], column + k] += by[0] * way[k]
+        particle[corners[1], column + k] += by[1] * way[k]
+        particle[corners[2], column + k] += by[2] * way[k]
