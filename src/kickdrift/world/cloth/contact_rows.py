@@ -10,6 +10,7 @@ from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_NORMAL,
     CONTACT_FRICTION,
+    CONTACT_IMPULSE,
     CONTACT_RADIUS,
     GROUND_VELOCITY,
     MOVES_BODY,
@@ -86,6 +87,14 @@ def _start_of_body(world: int, body: int, h: float) -> Vector:
     return minus(vector_at(floats(world, POSE), body, POSITION), times(h, v))
 
 
+@compiled(inline=True)
+def velocity_at(world: int, shape: int, point: Vector, h: float) -> Vector:
+    """Return the velocity of a shape at a point where it was h s ago."""
+    motion, body = floats(world, MOTION), integers(world, SHAPE)[shape, BODY_ROW]
+    arm = minus(point, _start_of_body(world, body, h))
+    return plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
+
+
 @compiled
 def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: Vector, touch: Touch, h: float) -> bool:
     """Add a row for a point of a triangle of particles that may touch a shape; False if there is no room.
@@ -108,16 +117,16 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     arm = minus(point, _start_of_body(world, body, h))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
-    motion = floats(world, MOTION)
-    moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
     if contact[row, MOVES_BODY] == 0:
-        runs = plus(runs, moves)
+        runs = plus(runs, velocity_at(world, shape, point, h))
     numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
     own = integers(world, SHAPE)
     numbers[row, CONTACT_RADIUS] = flat(world, GEOMETRY)[own[shape, BEGIN]] if is_round(world, shape) else 0.0
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
+    for k in range(4):
+        numbers[row, CONTACT_IMPULSE + k] = 0.0
     return True
 
 
