@@ -16,14 +16,14 @@ from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.arguments import vector
 from kickdrift.world.bodies.shape_rows import SHOWN, Placed, ShapeRows, Surface
-from kickdrift.world.cloth.layout import CLOTH_GENERATION
+from kickdrift.world.cloth.building import MET_AS
+from kickdrift.world.cloth.layout import CLOTH_GENERATION, DIMENSION
 from kickdrift.world.cloth.winds import force_or_wind_of
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, REMOVED, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.layout import GENERATION as BODY_GENERATION
-from kickdrift.world.shapes.kinds import CAPSULE, SPHERE
 from kickdrift.world.snapshot import TABLES, Snapshot, kept
 from kickdrift.world.tables import BODY, CLOTH, JOINT, JOINT_NUMBERS, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
 from kickdrift.world.world import World
@@ -187,8 +187,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         n_joints_made=_whole(head["n_joints_made"], 1 + int(joints[:, GENERATION].max(initial=-1))),
         n_cloths_made=_whole(head["n_cloths_made"], 1 + int(of.array(CLOTH)[:, CLOTH_GENERATION].max(initial=-1))),
         joints_arranged=bool(head["joints_arranged"]),
-        # Particles are balls to shapes, and segments of ropes capsules.
-        kinds=tuple(sorted(shapes.kinds | ({SPHERE, CAPSULE} if of.count(CLOTH) else set()))),
+        kinds=tuple(sorted(shapes.kinds.union(*map(MET_AS.__getitem__, of.array(CLOTH)[:, DIMENSION].tolist())))),
         bouncing=bool(head["bouncing"]) or shapes.bouncing,
         body_names=_names(head["body_names"], np.flatnonzero(bodies[:, BODY_KIND] != REMOVED)),
         joint_names=_names(head["joint_names"], np.flatnonzero(joints[:, JOINT_KIND] != REMOVED_JOINT)),

@@ -123,6 +123,12 @@ def vector_at(table: Any, row: int, column: int) -> Vector:
 
 
 @compiled(inline=True, cached=False)
+def point_at(numbers: Any, at: int) -> Vector:
+    """Return the vector that begins at a place of a flat array."""
+    return (numbers[at], numbers[at + 1], numbers[at + 2])
+
+
+@compiled(inline=True, cached=False)
 def quaternion_at(table: Any, row: int, column: int) -> Quaternion:
     """Return the quaternion that begins at a column of a row."""
     return (table[row, column], table[row, column + 1], table[row, column + 2], table[row, column + 3])

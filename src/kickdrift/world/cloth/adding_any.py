@@ -6,10 +6,9 @@ from typing import TypeVar
 
 from kickdrift.world.arguments import choice
 from kickdrift.world.bodies.shape_rows import ShapeRows
-from kickdrift.world.cloth.building import Built
+from kickdrift.world.cloth.building import MET_AS, Built
 from kickdrift.world.cloth.deformable import Deformable
 from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.tables import Tables
 
 D = TypeVar("D", bound=Deformable)
@@ -24,7 +23,7 @@ class AddsDeformables:
 
     def _add(self, built: Built, kind: type[D], name: str | None, self_collision: bool) -> D:
         added = self.cloths.add(built, kind, name, choice("self_collision", self_collision))
-        self.shape_rows.kinds |= {SPHERE}  # which particles are to other shapes
+        self.shape_rows.kinds |= MET_AS[built.dimension]
         self.tables.altered = True
         return added
 

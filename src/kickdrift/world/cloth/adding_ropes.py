@@ -11,7 +11,6 @@ from kickdrift.world.cloth.material import material_of
 from kickdrift.world.cloth.rope import Rope
 from kickdrift.world.cloth.rope_material import RopeMaterial
 from kickdrift.world.cloth.rope_mesh import rope_mesh
-from kickdrift.world.shapes.kinds import CAPSULE
 
 
 class AddsRopes(AddsDeformables):
@@ -60,9 +59,7 @@ class AddsRopes(AddsDeformables):
         0.956
         """
         made_of, mesh = material_of(RopeMaterial, "a rope", material), rope_mesh(points)
-        rope = self._add(built_rope(mesh, made_of), Rope, name, self_collision)
-        self.shape_rows.kinds |= {CAPSULE}  # which segments are to other shapes
-        return rope
+        return self._add(built_rope(mesh, made_of), Rope, name, self_collision)
 
     def rope(self, name: str) -> Rope:
         """Return the rope with a name.

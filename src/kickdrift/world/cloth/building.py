@@ -15,6 +15,7 @@ from kickdrift.world.cloth.rope_mesh import lengths_of, rope_masses, stretch_rat
 from kickdrift.world.cloth.soft_material import SoftMaterial, lame
 from kickdrift.world.cloth.tetrahedra import TetrahedralMesh
 from kickdrift.world.cloth.vibration import elastic_rate
+from kickdrift.world.shapes.kinds import CAPSULE, SPHERE, TRIANGLE
 from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS, TETRAHEDRON_NUMBERS
 
 Floats = NDArray[np.float64]
@@ -22,6 +23,14 @@ Floats = NDArray[np.float64]
 # Upper bounds of the skin, relative to thickness and triangle size: with 0.2 of the latter, neighbours in a sheet would be
 # pairs.
 _OF_THICKNESS, _SKIN = 0.5, 0.12
+
+
+# Kinds of shapes as which particles, and segments or triangles between them, meet those of bodies, by `DIMENSION`
+MET_AS = {
+    c.ROPE: frozenset({SPHERE, CAPSULE}),
+    c.SHEET: frozenset({SPHERE, TRIANGLE}),
+    c.VOLUME: frozenset({SPHERE, TRIANGLE}),
+}
 
 
 class Built(NamedTuple):

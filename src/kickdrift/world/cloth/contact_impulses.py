@@ -1,25 +1,29 @@
-"""Impulses between the particles of a cloth, or the segments of a rope, and the bodies that they touch."""
+"""Impulses between particles, segments or triangles of cloths and the bodies that they touch."""
+
+from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, length, minus, plus, product, times
 from kickdrift.world.cloth.contact_lanes import resolve_lanes
+from kickdrift.world.cloth.contact_rows import add_shares, shares_of
 from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_NORMAL,
     CONTACT_FRICTION,
+    CONTACT_IMPULSE,
     FIRST_CONTACT,
     GROUND_VELOCITY,
     IN_LANES,
     LAST_CONTACT,
     MOVES_BODY,
     OTHER_PARTICLE,
-    OTHER_SHARE,
-    PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
+    SHARED_PARTS,
     TOUCHED_BODY,
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.cloth.tilting import resist_tilting
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.layout import (
@@ -36,6 +40,7 @@ from kickdrift.world.tables import (
     CLOTH,
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
+    CLOTH_SEARCH,
     DELTA_POSE,
     INVERSE_MASS,
     MOTION,
@@ -45,72 +50,143 @@ from kickdrift.world.tables import (
     integers,
 )
 
+# Largest number of further sweeps, and the change of speed, m/s, that ends them. With 16 and 1e-3, loaded sheets tremble less
+# by a tenth, and a net with boxes takes a third longer; with 2, they tremble twice as much.
+_SWEEPS, _ENOUGH = 8, 1e-2
+
 
 @compiled
 def resolve_contacts(world: int, cloth: int, part: float, push: float, left: float) -> None:
-    """Stop the particles of a cloth from moving into shapes in a part of a substep, with the reactions on bodies.
+    """Stop a cloth from moving into shapes in a part of a substep, with the reactions on bodies: projected Gauss-Seidel.
 
     Bodies move with their changes of velocity for the time `left` in the substep, s. Particles that are inside already are
     pushed out, at most with the speed `push`, m/s, without gaining velocity.
     """
-    cloths, contact, numbers = (
-        integers(world, CLOTH),
+    contact, first, last = (
         integers(world, CLOTH_CONTACT),
-        floats(world, CLOTH_CONTACT_NUMBERS),
+        integers(world, CLOTH)[cloth, FIRST_CONTACT],
+        integers(world, CLOTH)[cloth, LAST_CONTACT],
     )
-    particle = floats(world, PARTICLE)
-    row = cloths[cloth, FIRST_CONTACT]
-    while row < cloths[cloth, LAST_CONTACT]:
+    numbers, particle = floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PARTICLE)
+    row, shared = first, False
+    while row < last:
         if contact[row, IN_LANES] != 0:
             resolve_lanes(contact, numbers, particle, row, part, push)
-            row += WIDTH
         else:
-            _resolve(world, row, part, push, left)
-            row += 1
+            shared = shared or contact[row, OTHER_PARTICLE] != contact[row, TOUCHING_PARTICLE]
+            _begin(world, row, part * push, left)
+            _resolve(world, row, part, left)
+        row = _after(contact, row)
+    if shared:
+        _iterate(world, first, last, part, left)
+    row = first
+    while row < last:
+        if contact[row, IN_LANES] == 0:
+            _advance_gap(world, row, part)
+        row = _after(contact, row)
+
+
+@compiled(inline=True)
+def _after(contact: Any, row: int) -> int:
+    """Return the row of the next contact, or of the next eight."""
+    return row + WIDTH if contact[row, IN_LANES] != 0 else row + 1
 
 
 @compiled
-def _resolve(world: int, row: int, part: float, push: float, left: float) -> None:
-    """Resolve one contact, at a point between two particles, or of one that counts as both."""
+def _iterate(world: int, first: int, last: int, part: float, left: float) -> None:
+    """Iterate the impulses of contacts that share particles until they change little, and apply the torques of triangles."""
+    contact, h = integers(world, CLOTH_CONTACT), part * floats(world, CLOTH_SEARCH)[0, SHARED_PARTS]
+    for _ in range(_SWEEPS):
+        row, change = first, 0.0
+        while row < last:
+            if contact[row, IN_LANES] == 0:
+                change = max(change, _resolve(world, row, part, left))
+            row = _after(contact, row)
+        if change < _ENOUGH:
+            break
+    row = first
+    while row < last:
+        if contact[row, IN_LANES] == 0:
+            resist_tilting(world, row, h)
+        row = _after(contact, row)
+
+
+@compiled
+def _begin(world: int, row: int, most: float, left: float) -> None:
+    """Begin a contact with the impulse of the part before, and move a point inside its shape out.
+
+    No particle moves by more than `most`, beside a pinned one either.
+    """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    particle, motion = floats(world, PARTICLE), floats(world, MOTION)
-    i, j, body = contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, TOUCHED_BODY]
-    moves, s = contact[row, MOVES_BODY] != 0, numbers[row, OTHER_SHARE]
-    by_i, by_j = (1.0 - s) * particle[i, PARTICLE_INVERSE_MASS], s * particle[j, PARTICLE_INVERSE_MASS]
-    inverse_mass = (1.0 - s) * by_i + s * by_j
-    n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
-    ground = vector_at(numbers, row, GROUND_VELOCITY)
-    if moves:
-        turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm)
-        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
-    speed_i, speed_j = vector_at(particle, i, PARTICLE_VELOCITY), vector_at(particle, j, PARTICLE_VELOCITY)
-    v = minus(plus(times(1.0 - s, speed_i), times(s, speed_j)), ground)
-    gap, approach = numbers[row, CLOTH_GAP], dot(n, v)
-    if gap < 0.0:
-        out = min(
-            -gap, part * push * inverse_mass / max(by_i, by_j)
-        )  # neither moves faster, beside a pinned end either
-        gap += out
-        for k in range(3):
-            particle[i, k] += out * (by_i / inverse_mass) * n[k]
-            particle[j, k] += out * (by_j / inverse_mass) * n[k]
-    wanted = -max(gap, 0.0) / part
-    numbers[row, CLOTH_GAP] = gap + part * max(approach, wanted)
-    if approach >= wanted:
+    particle, gap, n = floats(world, PARTICLE), numbers[row, CLOTH_GAP], vector_at(numbers, row, CLOTH_NORMAL)
+    if gap >= 0.0 and numbers[row, CONTACT_IMPULSE] == 0.0:
         return
-    given = (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
-    impulse = times(given, n)
+    corners, _, by, inverse_mass = shares_of(world, row)
+    if gap < 0.0:
+        out = min(-gap, most * inverse_mass / max(by[0], by[1], by[2]))
+        numbers[row, CLOTH_GAP] = gap + out
+        add_shares(particle, corners, 0, by, times(out / inverse_mass, n))
+    impulse = plus(times(numbers[row, CONTACT_IMPULSE], n), vector_at(numbers, row, CONTACT_IMPULSE + 1))
+    add_shares(particle, corners, PARTICLE_VELOCITY, by, impulse)
+    if contact[row, MOVES_BODY] != 0:
+        body, arm = contact[row, TOUCHED_BODY], vector_at(numbers, row, TOUCHED_POINT)
+        _push_body(world, body, arm, times(-1.0, impulse), left)
+
+
+@compiled
+def _velocity(world: int, row: int) -> Vector:
+    """Return the velocity of a point relative to the surface that it touches."""
+    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
+    particle, motion, body = floats(world, PARTICLE), floats(world, MOTION), contact[row, TOUCHED_BODY]
+    (i, j, k), share, _, _ = shares_of(world, row)
+    ground = vector_at(numbers, row, GROUND_VELOCITY)
+    if contact[row, MOVES_BODY] != 0:
+        turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), vector_at(numbers, row, TOUCHED_POINT))
+        ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
+    v = minus(times(share[0], vector_at(particle, i, PARTICLE_VELOCITY)), ground)
+    v = plus(v, times(share[1], vector_at(particle, j, PARTICLE_VELOCITY)))
+    return plus(v, times(share[2], vector_at(particle, k, PARTICLE_VELOCITY)))
+
+
+@compiled
+def _resolve(world: int, row: int, part: float, left: float) -> float:
+    """Change the impulse of a contact so that it obeys the laws of contact and friction; return the change of speed, m/s."""
+    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
+    corners, _, by, inverse_mass = shares_of(world, row)
+    body, moves = contact[row, TOUCHED_BODY], contact[row, MOVES_BODY] != 0
+    n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
+    v = _velocity(world, row)
+    approach, wanted = dot(n, v), -max(numbers[row, CLOTH_GAP], 0.0) / part
+    before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
+    now = before + (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
+    now = max(now, 0.0)
+    if now == 0.0 and before == 0.0:
+        return 0.0
     slip = minus(v, times(approach, n))
-    speed = length(slip)
+    speed, friction = length(slip), sliding
     if speed > 0.0:
         along = times(1.0 / speed, slip)
-        stop = speed / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
-        impulse = minus(impulse, times(min(numbers[row, CONTACT_FRICTION] * given, stop), along))
+        stop = 1.0 / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
+        friction = minus(sliding, times(stop, slip))
+    size, most = length(friction), numbers[row, CONTACT_FRICTION] * now
+    if size > most:
+        friction = times(most / size, friction)
+    impulse = plus(times(now - before, n), minus(friction, sliding))
+    numbers[row, CONTACT_IMPULSE] = now
     for k in range(3):
-        particle[i, PARTICLE_VELOCITY + k] += by_i * impulse[k]
-        particle[j, PARTICLE_VELOCITY + k] += by_j * impulse[k]
+        numbers[row, CONTACT_IMPULSE + 1 + k] = friction[k]
+    add_shares(floats(world, PARTICLE), corners, PARTICLE_VELOCITY, by, impulse)
     if moves:
         _push_body(world, body, arm, times(-1.0, impulse), left)
+    return inverse_mass * length(impulse)
+
+
+@compiled
+def _advance_gap(world: int, row: int, part: float) -> None:
+    """Let the gap of a contact change in a part with the velocity that its point has."""
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
+    approach = dot(vector_at(numbers, row, CLOTH_NORMAL), _velocity(world, row))
+    numbers[row, CLOTH_GAP] += part * approach
 
 
 @compiled(inline=True)

@@ -1,32 +1,41 @@
-"""Rows of contacts between particles of cloths, or segments of ropes, and shapes of bodies."""
+"""Rows of contacts between particles, segments or triangles of cloths and shapes of bodies."""
 
 import math
+from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus, plus, turned
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, exponential, minus, plus, product, times, turned
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_GAP,
     CLOTH_NORMAL,
     CONTACT_FRICTION,
+    CONTACT_IMPULSE,
+    CONTACT_RADIUS,
     GROUND_VELOCITY,
     MOVES_BODY,
     OTHER_PARTICLE,
-    OTHER_SHARE,
+    PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
+    SHARES,
+    THIRD_PARTICLE,
     TOUCHED_BODY,
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.collision.dispatch import is_round
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     AWAKE,
+    BEGIN,
     BODY_KIND,
     BODY_ROW,
     DYNAMIC,
     FRICTION,
     ORIENTATION,
+    PLACE_ORIENTATION,
+    PLACE_POSITION,
     POSITION,
     SURFACE_VELOCITY,
     VELOCITY,
@@ -38,12 +47,14 @@ from kickdrift.world.tables import (
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
     CLOTH_NUMBERS,
+    GEOMETRY,
     MOTION,
     PARTICLE,
     PLACE,
     POSE,
     SETTINGS,
     SHAPE,
+    flat,
     floats,
     integers,
     room,
@@ -51,14 +62,45 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
+Pose = tuple[Vector, Quaternion]
 Touch = tuple[Vector, float, Vector]
+Corners = tuple[int, int, int]
+
+AT_FIRST: Vector = (1.0, 0.0, 0.0)  # barycentric coordinates of a particle alone
 
 
 @compiled
-def note_contact(world: int, cloth: int, shape: int, i: int, j: int, share: float, touch: Touch, h: float) -> bool:
-    """Add a row for the point of the segment from particle i to j at `share` that may touch a shape; False if there is no room.
+def start_pose(world: int, shape: int, h: float) -> Pose:
+    """Return the pose of a shape at the start of a substep, h s ago: bodies have drifted already, cloths have not."""
+    place, motion, body = floats(world, PLACE), floats(world, MOTION), integers(world, SHAPE)[shape, BODY_ROW]
+    q = quaternion_at(floats(world, POSE), body, ORIENTATION)
+    spin = vector_at(motion, body, ANGULAR_VELOCITY)
+    if dot(spin, spin) > 0.0:
+        q = product(exponential(times(-h, spin)), q)
+    at = plus(_start_of_body(world, body, h), turned(q, vector_at(place, shape, PLACE_POSITION)))
+    return at, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))
 
-    `touch` is the normal from the shape, the gap and the point of the shape. Of a particle alone, j is i and `share` zero.
+
+@compiled(inline=True)
+def _start_of_body(world: int, body: int, h: float) -> Vector:
+    v = vector_at(floats(world, MOTION), body, VELOCITY)
+    return minus(vector_at(floats(world, POSE), body, POSITION), times(h, v))
+
+
+@compiled(inline=True)
+def velocity_at(world: int, shape: int, point: Vector, h: float) -> Vector:
+    """Return the velocity of a shape at a point where it was h s ago."""
+    motion, body = floats(world, MOTION), integers(world, SHAPE)[shape, BODY_ROW]
+    arm = minus(point, _start_of_body(world, body, h))
+    return plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
+
+
+@compiled
+def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: Vector, touch: Touch, h: float) -> bool:
+    """Add a row for a point of a triangle of particles that may touch a shape; False if there is no room.
+
+    `shares` are its barycentric coordinates; a segment is a triangle whose last corner has none, a particle alone is all three.
+    `touch` is the normal from the shape, the gap and the point of the shape, at the start of the substep of h s.
     """
     normal, gap, point = touch
     row = rows(world, CLOTH_CONTACT)
@@ -68,20 +110,23 @@ def note_contact(world: int, cloth: int, shape: int, i: int, j: int, share: floa
     set_rows(world, CLOTH_CONTACT, row + 1)
     contact, numbers, place = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PLACE)
     body, pose = integers(world, SHAPE)[shape, BODY_ROW], floats(world, POSE)
-    contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, TOUCHED_BODY] = i, j, body
-    contact[row, MOVES_BODY], numbers[row, OTHER_SHARE] = int(_moves(world, i, body) or _moves(world, j, body)), share
-    arm = minus(point, vector_at(pose, body, POSITION))
+    i, j, k = corners
+    contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE] = corners
+    contact[row, TOUCHED_BODY] = body
+    contact[row, MOVES_BODY] = int(_moves(world, i, body) or _moves(world, j, body) or _moves(world, k, body))
+    arm = minus(point, _start_of_body(world, body, h))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
-    motion = floats(world, MOTION)
-    moves = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), arm))
     if contact[row, MOVES_BODY] == 0:
-        runs = plus(runs, moves)
-    # The body has moved already, the particle has not: the gap is that at the start of the substep.
-    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap + h * dot(normal, moves), friction
+        runs = plus(runs, velocity_at(world, shape, point, h))
+    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
+    own = integers(world, SHAPE)
+    numbers[row, CONTACT_RADIUS] = flat(world, GEOMETRY)[own[shape, BEGIN]] if is_round(world, shape) else 0.0
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
-        numbers[row, GROUND_VELOCITY + k] = runs[k]
+        numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
+    for k in range(4):
+        numbers[row, CONTACT_IMPULSE + k] = 0.0
     return True
 
 
@@ -92,3 +137,26 @@ def _moves(world: int, i: int, body: int) -> bool:
     slow = floats(world, SETTINGS)[0, SLEEP_SPEED]
     takes: bool = own[body, BODY_KIND] == DYNAMIC and (own[body, AWAKE] != 0 or dot(v, v) > slow * slow)
     return takes
+
+
+@compiled
+def shares_of(world: int, row: int) -> tuple[Corners, Vector, Vector, float]:
+    """Return the particles of a contact, their shares, those over their masses, and the inverse mass of the point."""
+    contact, particle = integers(world, CLOTH_CONTACT), floats(world, PARTICLE)
+    corners = (contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE])
+    share = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, SHARES)
+    by = (
+        share[0] * particle[corners[0], PARTICLE_INVERSE_MASS],
+        share[1] * particle[corners[1], PARTICLE_INVERSE_MASS],
+        share[2] * particle[corners[2], PARTICLE_INVERSE_MASS],
+    )
+    return corners, share, by, dot(share, by)
+
+
+@compiled(inline=True)
+def add_shares(particle: Any, corners: Corners, column: int, by: Vector, way: Vector) -> None:
+    """Add a vector, times each of `by`, to the vectors of three particles at a column."""
+    for k in range(3):
+        particle[corners[0], column + k] += by[0] * way[k]
+        particle[corners[1], column + k] += by[1] * way[k]
+        particle[corners[2], column + k] += by[2] * way[k]

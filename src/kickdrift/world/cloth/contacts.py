@@ -1,17 +1,15 @@
 """Contacts between particles of cloths and shapes of bodies; each particle is a ball with the thickness as diameter.
 
-Segments of ropes touch shapes, too: see `kickdrift.world.cloth.segment_contacts`.
+Segments of ropes and triangles touch solids between their ends, too: see `segment_contacts` and `face_contacts`.
 """
 
 import math
-from typing import Any
-
-from numba import carray
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, conjugate, dot, length, minus, plus, times, turned, turned_back
-from kickdrift.world.cloth.contact_rows import note_contact
+from kickdrift.core.vectors import dot, length, minus, turned
+from kickdrift.world.cloth.ball_contact import touch_of_ball
+from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, note_contact, start_pose
+from kickdrift.world.cloth.face_contacts import find_faces
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     DIMENSION,
@@ -29,38 +27,19 @@ from kickdrift.world.cloth.layout import (
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.cloth.segment_contacts import find_segments
-from kickdrift.world.collision.aabb import box_in_frame
-from kickdrift.world.collision.bvh import Box, gather
+from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.narrow_phase import collide, shape_pose
-from kickdrift.world.collision.overlap_query import find_near
+from kickdrift.world.collision.overlap_query import find_near, find_triangles
 from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, WIDTH
-from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
-    BEGIN,
-    BODY_ROW,
-    FIRST_TREE_NODE,
-    IS_SENSOR,
-    LAST_TREE_NODE,
-    MASK,
-    RADIUS,
-    SHAPE_KIND,
-    SIZE,
-    VELOCITY,
-)
-from kickdrift.world.shapes.kinds import SPHERE, TRIANGLE
+from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_ROW, IS_SENSOR, MASK, RADIUS, VELOCITY
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
-from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
-    BOUNDS,
     CLOTH,
     CLOTH_CONTACT,
     CLOTH_NEAR,
     CLOTH_NUMBERS,
-    COLLIDERS,
-    GEOMETRY,
     MANIFOLD,
     MOTION,
     PARTICLE,
@@ -104,10 +83,18 @@ def find_contacts(world: int, h: float) -> None:
             meets = own[shape, IS_SENSOR] == 0 and own[shape, MASK] & _LAYER != 0
             if meets and not _find_on_shape(world, cloth, shape, h, count):
                 return
-            if meets and cloths[cloth, DIMENSION] == ROPE and not find_segments(world, cloth, shape, h, count):
+            if meets and not _find_between(world, cloth, shape, h, count):
                 return
         cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
         _group(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
+
+
+@compiled
+def _find_between(world: int, cloth: int, shape: int, h: float, after: int) -> bool:
+    """Find contacts between vertices, of the segments of a rope or the triangles of others; False if there is no room."""
+    if integers(world, CLOTH)[cloth, DIMENSION] == ROPE:
+        return bool(find_segments(world, cloth, shape, h, after))
+    return bool(find_faces(world, cloth, shape, h))
 
 
 @compiled
@@ -143,7 +130,8 @@ def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> 
     """Find the particles of a cloth that may touch a shape; False if there is no room for them."""
     own, particle, place = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PLACE)
     body, motion = integers(world, SHAPE)[shape, BODY_ROW], floats(world, MOTION)
-    at, q = shape_pose(world, shape)
+    start = start_pose(world, shape, h)
+    at, q = start
     speed = length(vector_at(motion, body, VELOCITY))
     around, sort = place[shape, RADIUS], sort_of(world, shape)
     speed += length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
@@ -155,67 +143,33 @@ def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> 
         margin = h * (speed + length(vector_at(particle, i, PARTICLE_VELOCITY))) + radius
         reach = margin + radius
         if sort == SURFACE:
-            found = _find_on_surface(world, cloth, i, shape, margin, after, h)
+            found = _find_on_surface(world, cloth, i, shape, start, margin, after, h)
         elif sort == HALF_SPACE:
-            found = dot(away, up) > reach or _touch(world, cloth, i, shape, -1, margin, h)
+            found = dot(away, up) > reach or _touch(world, cloth, i, shape, -1, start, margin, h)
         else:
-            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, margin, h)
+            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, start, margin, h)
         if not found:
             return False
     return True
 
 
 @compiled
-def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int, h: float) -> bool:
+def _find_on_surface(
+    world: int, cloth: int, i: int, shape: int, start: Pose, margin: float, after: int, h: float
+) -> bool:
     """Find the contacts of a particle with the triangles of a surface; False if there is no room."""
-    p, bounds, near = vector_at(floats(world, PARTICLE), i, 0), floats(world, BOUNDS), flat(world, CLOTH_NEAR)
+    p, near = vector_at(floats(world, PARTICLE), i, 0), flat(world, CLOTH_NEAR)[after:]
     reach = margin + floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     box = (p[0] - reach, p[1] - reach, p[2] - reach, p[0] + reach, p[1] + reach, p[2] + reach)
-    first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
-    hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), near[after:])
     fits = True
-    for k in range(hits):
-        fits = fits and _touch(world, cloth, i, shape, int(near[after + k]), margin, h)
+    for k in range(find_triangles(world, shape, box, near)):
+        fits = fits and _touch(world, cloth, i, shape, int(near[k]), start, margin, h)
     return fits
 
 
 @compiled
-def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float, h: float) -> bool:
+def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, start: Pose, margin: float, h: float) -> bool:
     """Add the contact of a particle with a shape, or one of its triangles, if there is one; False if there is no room."""
-    shapes, geometry = integers(world, SHAPE), flat(world, GEOMETRY)
-    begin, size, kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
-    if triangle >= 0:
-        begin, size, kind = begin_of(begin, triangle), TRIANGLE_SIZE, TRIANGLE
-    ball, pose = carray(floats_on_stack(1), (1,)), carray(floats_on_stack(7), (7,))
-    manifold = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
-    ball[0] = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
-    at, q = shape_pose(world, shape)
-    p, numbers, function = (
-        vector_at(floats(world, PARTICLE), i, 0),
-        geometry[begin : begin + size],
-        integers(world, COLLIDERS),
-    )
-    if kind <= SPHERE:
-        pose[0], pose[1], pose[2] = turned_back(q, minus(p, at))
-        pose[3], pose[4], pose[5], pose[6] = conjugate(q)
-        count = collide(function[kind, SPHERE], (numbers, ball, pose, margin, manifold))
-    else:
-        pose[0], pose[1], pose[2] = minus(at, p)
-        pose[3], pose[4], pose[5], pose[6] = q
-        count = collide(function[SPHERE, kind], (ball, numbers, pose, margin, manifold))
-    if count == 0:
-        return True
-    normal = (manifold[NORMAL], manifold[NORMAL + 1], manifold[NORMAL + 2])
-    on_a, on_b = _point(manifold, POINT + ON_A), _point(manifold, POINT + ON_B)
-    if kind <= SPHERE:  # the shape is the first of the pair
-        normal = turned(q, normal)
-        point, own_point = plus(at, turned(q, on_a)), minus(p, times(ball[0], normal))
-    else:
-        normal = times(-1.0, normal)
-        point, own_point = plus(at, turned(q, on_b)), plus(p, on_a)
-    return note_contact(world, cloth, shape, i, i, 0.0, (normal, dot(normal, minus(own_point, point)), point), h)
-
-
-@compiled(inline=True)
-def _point(manifold: Any, at: int) -> Vector:
-    return (manifold[at], manifold[at + 1], manifold[at + 2])
+    p, radius = vector_at(floats(world, PARTICLE), i, 0), floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
+    touches, touch = touch_of_ball(world, shape, triangle, start, p, radius, margin)
+    return not touches or note_contact(world, cloth, shape, (i, i, i), AT_FIRST, touch, h)

@@ -21,7 +21,7 @@ class Fabric:
     density : float
         Mass per area, kg/m^2.
     thickness : float
-        m; vertices keep a distance of half of it from shapes. Bodies narrower than its triangles pass between vertices.
+        m; vertices and triangles keep a distance of half of it from solid shapes, vertices alone from meshes and height fields.
     stretch_stiffness, shear_stiffness : float
         Tension per strain along warp and weft, and shear force per shear angle, both per metre of width: N/m.
     bending_stiffness : float

@@ -151,7 +151,9 @@ TOUCHING_PARTICLE = column(CLOTH_CONTACT)
 TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1 if the body receives the reaction
 IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven are of different particles each, and move no body
-OTHER_PARTICLE = column(CLOTH_CONTACT)  # the other end of a segment that touches; otherwise the particle itself
+# The other end of a segment that touches, the other corners of a triangle; otherwise the particle itself
+OTHER_PARTICLE = column(CLOTH_CONTACT)
+THIRD_PARTICLE = column(CLOTH_CONTACT)
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
@@ -160,7 +162,9 @@ CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 # Surface velocity of the shape; relative to its body if MOVES_BODY
 GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
-OTHER_SHARE = column(CLOTH_CONTACT_NUMBERS)  # where on its segment it touches: 0 at the particle, 1 at the other one
+SHARES = column(CLOTH_CONTACT_NUMBERS, 3)  # barycentric coordinates of the point that touches
+CONTACT_IMPULSE = column(CLOTH_CONTACT_NUMBERS, 4, "kg m/s")  # in this part: along the normal, and of friction
+CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # displacement in the drift besides that of its velocity

@@ -23,7 +23,7 @@ from kickdrift.core.vectors import (
     turned_back,
     unit,
 )
-from kickdrift.world.cloth.contact_rows import note_contact
+from kickdrift.world.cloth.contact_rows import Pose, note_contact, start_pose
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     FIRST_PARTICLE,
@@ -31,28 +31,16 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
 )
-from kickdrift.world.collision.aabb import box_in_frame
-from kickdrift.world.collision.bvh import gather
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.narrow_phase import collide, shape_pose
-from kickdrift.world.columns import vector_at
+from kickdrift.world.collision.narrow_phase import collide
+from kickdrift.world.collision.overlap_query import find_triangles
+from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
-from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
-    BEGIN,
-    BODY_ROW,
-    FIRST_TREE_NODE,
-    LAST_TREE_NODE,
-    RADIUS,
-    SHAPE_KIND,
-    SIZE,
-    VELOCITY,
-)
+from kickdrift.world.layout import ANGULAR_VELOCITY, BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE, VELOCITY
 from kickdrift.world.shapes.kinds import CAPSULE, TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
-    BOUNDS,
     CLOTH,
     CLOTH_NEAR,
     CLOTH_NUMBERS,
@@ -63,7 +51,6 @@ from kickdrift.world.tables import (
     PARTICLE,
     PLACE,
     SHAPE,
-    TRIANGLE_TREE,
     flat,
     floats,
     integers,
@@ -85,7 +72,7 @@ def find_segments(world: int, cloth: int, shape: int, h: float, after: int) -> b
     )
     if sort == HALF_SPACE:
         return True  # ends are the lowest points
-    at, _ = shape_pose(world, shape)
+    start = start_pose(world, shape, h)
     speed = length(vector_at(motion, body, VELOCITY)) + length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
     radius = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE] - 1):
@@ -96,20 +83,22 @@ def find_segments(world: int, cloth: int, shape: int, h: float, after: int) -> b
         )
         margin = h * (speed + fastest) + radius
         p, q = vector_at(particle, i, 0), vector_at(particle, i + 1, 0)
-        away, reach = minus(times(0.5, plus(p, q)), at), margin + radius + 0.5 * length(minus(q, p))
+        away, reach = minus(times(0.5, plus(p, q)), start[0]), margin + radius + 0.5 * length(minus(q, p))
         if sort == SURFACE:
-            found = _find_on_surface(world, cloth, i, shape, margin, after, h)
+            found = _find_on_surface(world, cloth, i, shape, start, margin, after, h)
         else:
-            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, margin, h)
+            found = dot(away, away) > (around + reach) ** 2 or _touch(world, cloth, i, shape, -1, start, margin, h)
         if not found:
             return False
     return True
 
 
 @compiled
-def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, after: int, h: float) -> bool:
+def _find_on_surface(
+    world: int, cloth: int, i: int, shape: int, start: Pose, margin: float, after: int, h: float
+) -> bool:
     """Find the contacts of a segment with the triangles of a surface; False if there is no room."""
-    particle, bounds, near = floats(world, PARTICLE), floats(world, BOUNDS), flat(world, CLOTH_NEAR)
+    particle, near = floats(world, PARTICLE), flat(world, CLOTH_NEAR)[after:]
     p, q, reach = (
         vector_at(particle, i, 0),
         vector_at(particle, i + 1, 0),
@@ -118,16 +107,14 @@ def _find_on_surface(world: int, cloth: int, i: int, shape: int, margin: float, 
     low = (min(p[0], q[0]) - reach, min(p[1], q[1]) - reach, min(p[2], q[2]) - reach)
     high = (max(p[0], q[0]) + reach, max(p[1], q[1]) + reach, max(p[2], q[2]) + reach)
     box = (low[0], low[1], low[2], high[0], high[1], high[2])
-    first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
-    hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), near[after:])
     fits = True
-    for k in range(hits):
-        fits = fits and _touch(world, cloth, i, shape, int(near[after + k]), margin, h)
+    for k in range(find_triangles(world, shape, box, near)):
+        fits = fits and _touch(world, cloth, i, shape, int(near[k]), start, margin, h)
     return fits
 
 
 @compiled
-def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: float, h: float) -> bool:
+def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, start: Pose, margin: float, h: float) -> bool:
     """Add the contacts of a segment with a shape, or one of its triangles; False if there is no room."""
     shapes, particle, function = integers(world, SHAPE), floats(world, PARTICLE), integers(world, COLLIDERS)
     begin, size, kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
@@ -142,7 +129,7 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
     if half == 0.0:
         return True
     middle, turn = times(0.5, plus(p, q)), _turn_to(times(0.5 / half, way))
-    at, pose_turn = shape_pose(world, shape)
+    at, pose_turn = start
     capsule[0], capsule[1] = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS], half
     is_first = kind <= CAPSULE  # the shape is the first of the pair
     if is_first:
@@ -151,27 +138,23 @@ def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, margin: fl
     else:
         _put_pose(pose, middle, turn, at, pose_turn)
         count = collide(function[CAPSULE, kind], (capsule, numbers, pose, margin, manifold))
-    n, own, other = _vector_of(manifold, NORMAL), ON_B if is_first else ON_A, ON_A if is_first else ON_B
+    n, own, other = point_at(manifold, NORMAL), ON_B if is_first else ON_A, ON_A if is_first else ON_B
     normal = turned(pose_turn, n) if is_first else times(-1.0, turned(turn, n))
     first = _LEVER if particle[i, PARTICLE_INVERSE_MASS] == 0.0 else _END
     last = 1.0 - (_LEVER if particle[i + 1, PARTICLE_INVERSE_MASS] == 0.0 else _END)
     fits = True
     for k in range(count):
-        on_segment = _vector_of(manifold, POINT + k * POINT_SIZE + own)
-        point = plus(at, turned(pose_turn, _vector_of(manifold, POINT + k * POINT_SIZE + other)))
+        on_segment = point_at(manifold, POINT + k * POINT_SIZE + own)
+        point = plus(at, turned(pose_turn, point_at(manifold, POINT + k * POINT_SIZE + other)))
         from_middle = turned(turn, on_segment)
         along = dot(plus(from_middle, times(capsule[0], normal)), way) / (2.0 * half)
         share = 0.5 + 0.5 * along / half
         if first < share < last:
             gap = dot(normal, minus(plus(middle, from_middle), point))
-            fits = fits and note_contact(world, cloth, shape, i, i + 1, share, (normal, gap, point), h)
+            fits = fits and note_contact(
+                world, cloth, shape, (i, i + 1, i), (1.0 - share, share, 0.0), (normal, gap, point), h
+            )
     return fits
-
-
-@compiled(inline=True)
-def _vector_of(numbers: Any, at: int) -> Vector:
-    """Return three numbers of an array."""
-    return (numbers[at], numbers[at + 1], numbers[at + 2])
 
 
 @compiled(inline=True)

@@ -10,8 +10,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, normal_to, plus, product, turned
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, point_at, take_over_impulses
-from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, take_over_impulses
+from kickdrift.world.columns import point_at, quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FOUND_POSE,

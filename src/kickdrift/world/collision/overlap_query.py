@@ -6,15 +6,16 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, conjugate, cross, dot, minus, product, turned_back
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
 from kickdrift.world.collision.aabb import box_in_frame, reaches_under
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, shape_pose
+from kickdrift.world.columns import point_at
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import SURFACE
-from kickdrift.world.shapes.triangle import ACTIVE_EDGES, TRIANGLE_SIZE, begin_of
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of, put_facing
 from kickdrift.world.tables import (
     BOUNDS,
     GEOMETRY,
@@ -49,6 +50,15 @@ def find_near(world: int, box: Box, found: Any) -> int:
 
 
 @compiled
+def find_triangles(world: int, shape: int, box: Box, found: Any) -> int:
+    """Write the triangles of a surface whose boxes overlap a box into `found`, and return their number."""
+    bounds = floats(world, BOUNDS)
+    first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
+    hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), found)
+    return int(hits)
+
+
+@compiled
 def overlaps(
     world: int, shape: int, kind: int, numbers: Any, at: Vector, turn: Quaternion, box: Box, functions: Any, found: Any
 ) -> bool:
@@ -59,36 +69,21 @@ def overlaps(
     """
     shapes = integers(world, SHAPE)
     begin, size, own_kind = shapes[shape, BEGIN], shapes[shape, SIZE], shapes[shape, SHAPE_KIND]
-    geometry, bounds = flat(world, GEOMETRY), floats(world, BOUNDS)
+    geometry = flat(world, GEOMETRY)
     own_at, own_turn = shape_pose(world, shape)
     if sort_of(world, shape) != SURFACE:
         own = geometry[begin : begin + size]
         return _touch(own_kind, own, own_at, own_turn, kind, numbers, at, turn, functions[own_kind])
-    first, last = int(bounds[shape, FIRST_TREE_NODE]), int(bounds[shape, LAST_TREE_NODE])
-    hits, _ = gather(floats(world, TRIANGLE_TREE)[first:last], box_in_frame(world, shape, box), found)
+    hits = find_triangles(world, shape, box, found)
     towards, facing = turned_back(own_turn, minus(at, own_at)), carray(floats_on_stack(TRIANGLE_SIZE), (TRIANGLE_SIZE,))
     for k in range(hits):
         start = begin_of(begin, int(found[k]))
-        _face(geometry[start : start + TRIANGLE_SIZE], towards, facing)
+        put_facing(
+            point_at(geometry, start), point_at(geometry, start + 3), point_at(geometry, start + 6), towards, facing
+        )
         if _touch(TRIANGLE, facing, own_at, own_turn, kind, numbers, at, turn, functions[TRIANGLE]):
             return True
     return False
-
-
-@compiled
-def _face(triangle: Any, point: Vector, facing: Any) -> None:
-    """Write a triangle with its front towards a point and all edges active.
-
-    Contacts are only with the front of a triangle, and not with edges inside a mesh.
-    """
-    u = (triangle[0], triangle[1], triangle[2])
-    v, w = (triangle[3], triangle[4], triangle[5]), (triangle[6], triangle[7], triangle[8])
-    if dot(cross(minus(v, u), minus(w, u)), minus(point, u)) < 0.0:
-        v, w = w, v
-    for k in range(3):
-        facing[k], facing[3 + k], facing[6 + k] = u[k], v[k], w[k]
-    for k in range(ACTIVE_EDGES, TRIANGLE_SIZE):
-        facing[k] = 1.0
 
 
 @compiled

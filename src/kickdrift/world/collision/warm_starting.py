@@ -3,8 +3,8 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, dot, minus
-from kickdrift.world.columns import Fields
+from kickdrift.core.vectors import dot, minus
+from kickdrift.world.columns import Fields, point_at
 from kickdrift.world.contacts.layout import FEATURE, NORMAL_IMPULSE, ON_A, POINT, POINT_SIZE
 
 # Numbers of a manifold that are kept while its points are found again
@@ -51,12 +51,6 @@ def take_over_impulses(own: Any, old: Any, before: int, count: int, near: float)
             own[NORMAL_IMPULSE + new] = old[_OLD_IMPULSE + nearest]
             old[_OLD_IMPULSE + nearest] = -1.0
             left -= 1
-
-
-@compiled(inline=True)
-def point_at(array: Any, at: int) -> Vector:
-    """Return three numbers from a place on."""
-    return (array[at], array[at + 1], array[at + 2])
 
 
 @compiled(inline=True)

@@ -31,6 +31,20 @@ def begin_of(begin: int, part: int) -> int:
 
 
 @compiled
+def put_facing(u: Vector, v: Vector, w: Vector, point: Vector, numbers: Any) -> None:
+    """Write the numbers of a triangle with its front towards a point and all edges active.
+
+    Contacts are only with the front of a triangle, and not with edges inside a mesh.
+    """
+    if dot(cross(minus(v, u), minus(w, u)), minus(point, u)) < 0.0:
+        v, w = w, v
+    for k in range(3):
+        numbers[k], numbers[3 + k], numbers[6 + k] = u[k], v[k], w[k]
+    for k in range(ACTIVE_EDGES, TRIANGLE_SIZE):
+        numbers[k] = 1.0
+
+
+@compiled
 def surface_extent(numbers: Any, q: Quaternion) -> Extent:
     """Return the bounds of a surface; see `kickdrift.world.shapes.record`."""
     return around(numbers, FIRST_TRIANGLE, TRIANGLE_SIZE, triangles_of(len(numbers)), 3, q)

@@ -1,0 +1,71 @@
+"""The tilting of triangles on round shapes, which is too fast for the substep, and is treated implicitly.
+
+A triangle on which a round shape presses with a force N touches it at a point. If it tilts by an angle a, the point moves
+by R a, where R is the radius of the shape, so that the force turns the triangle back: a stiffness N R. The points of contacts
+are found once a substep; on a sheet of 0.4 kg/m^2 under a ball of 5 kg, the frequency of this pendulum is 500/s, and the
+sheet trembled with 8 m/s. As in the linearly implicit Euler method, the force at the end of a step is taken: a torque
+-h N R da/dt.
+"""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import cross, dot, length, minus, plus, times
+from kickdrift.world.cloth.contact_rows import add_shares
+from kickdrift.world.cloth.layout import (
+    CLOTH_NORMAL,
+    CONTACT_IMPULSE,
+    CONTACT_RADIUS,
+    OTHER_PARTICLE,
+    PARTICLE_INVERSE_MASS,
+    PARTICLE_VELOCITY,
+    THIRD_PARTICLE,
+    TOUCHING_PARTICLE,
+)
+from kickdrift.world.columns import vector_at
+from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, PARTICLE, floats, integers
+
+# Factor of the stiffness: adjacent triangles tilt together. Of 28 balls, capsules and cylinders on random sheets, one leaves it
+# trembling with more than 0.1 m/s with 2.0, none with 4.0 or 8.0.
+_STIFFER = 4.0
+
+
+@compiled
+def resist_tilting(world: int, row: int, h: float) -> None:
+    """Apply the torque of a contact for the substep h, s, after its impulse is known; only those of triangles have one.
+
+    In the plane of the triangle, with the gradients g of the barycentric coordinates, the rate of tilting is
+    w = sum g (n . v), and a torque T, impulses g . T of the corners, changes it by A T with A = sum g g / m. So T is
+    -c (1 + c A)^-1 w, where c is h R times the impulse of the part.
+    """
+    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
+    particle = floats(world, PARTICLE)
+    c = _STIFFER * h * numbers[row, CONTACT_IMPULSE] * numbers[row, CONTACT_RADIUS]
+    corners = (contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE])
+    if c == 0.0 or corners[0] == corners[2]:
+        return
+    p = vector_at(particle, corners[0], 0)
+    u, v = minus(vector_at(particle, corners[1], 0), p), minus(vector_at(particle, corners[2], 0), p)
+    across = cross(u, v)
+    area = length(across)
+    if area == 0.0:
+        return
+    n = vector_at(numbers, row, CLOTH_NORMAL)
+    x = times(1.0 / length(u), u)
+    y = cross(times(1.0 / area, across), x)
+    second, third = times(1.0 / area**2, cross(v, across)), times(1.0 / area**2, cross(across, u))
+    xx, yy, xy, tilt_x, tilt_y = 1.0, 1.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        gradient = second if k == 1 else third if k == 2 else times(-1.0, plus(second, third))
+        g, f = dot(gradient, x), dot(gradient, y)
+        speed = dot(n, vector_at(particle, corners[k], PARTICLE_VELOCITY))
+        over_mass = particle[corners[k], PARTICLE_INVERSE_MASS]
+        xx, yy, xy = xx + c * over_mass * g * g, yy + c * over_mass * f * f, xy + c * over_mass * g * f
+        tilt_x, tilt_y = tilt_x + g * speed, tilt_y + f * speed
+    scale = -c / (xx * yy - xy * xy)
+    torque = plus(times(scale * (yy * tilt_x - xy * tilt_y), x), times(scale * (xx * tilt_y - xy * tilt_x), y))
+    to_second, to_third = dot(second, torque), dot(third, torque)
+    by = (
+        -(to_second + to_third) * particle[corners[0], PARTICLE_INVERSE_MASS],
+        to_second * particle[corners[1], PARTICLE_INVERSE_MASS],
+        to_third * particle[corners[2], PARTICLE_INVERSE_MASS],
+    )
+    add_shares(particle, corners, PARTICLE_VELOCITY, by, n)
