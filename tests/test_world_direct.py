@@ -168,6 +168,20 @@ def test_a_gripper_holds_what_friction_can(share):
     assert (before - box.velocity[2]) / (12 * STEP) == pytest.approx(max(0.0, G - 2 * mu * force / mass), abs=0.01 * G)
 
 
+@pytest.mark.parametrize(("part", "step"), [(0.05, 1 / 60), (0.1, 1 / 30), (1.0, 1 / 60)])
+def test_what_light_fingers_hold_does_not_creep(part, step):
+    world = World()
+    box = world.add_box((0.1, 0.1, 0.1), mass=1.0, friction=0.5)
+    for side in (-1.0, 1.0):
+        place = (0.075 * side, 0, 0)
+        finger = world.add_box((0.05, 0.3, 0.3), position=place, mass=part, friction=0.5)
+        world.add_slider(None, finger, anchor=place, axis=(-side, 0, 0), motor=Motor(1.0, 1.25 * G))
+    world.step(step)
+    height = box.position[2]
+    world.advance(step, 30)
+    assert box.position[2] == pytest.approx(height, abs=1e-6)
+
+
 # Energy
 
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.joints.axis import Motor
 from kickdrift.world.world import World
 
 G = 9.81
@@ -118,3 +119,14 @@ def test_oblique_capsules_that_nearly_lie_on_each_other_slide_alike_to_both_side
         world.advance(STEP, 20)
         ways.append(side * body.position[0])
     assert ways[0] == pytest.approx(ways[1], rel=0.02)
+
+
+def test_a_torque_turns_a_body_by_its_moment_of_inertia_in_any_plane():
+    moment = 2.0 * (1.0 + 0.09) / 12 + 2.0 * (0.3**2 + 0.1**2)
+    for turn in Rotation.random(20, random_state=3):
+        world = World(gravity=(0, 0, 0), plane_normal=turn.apply((0, 1, 0)))
+        rod = world.add_box((1.0, 0.2, 0.3), orientation=turn.as_quat(scalar_first=True), mass=2.0)
+        anchor, motor = turn.apply((0.3, 0, 0.1)), Motor(1e9, 5.0)
+        hinge = world.add_hinge(None, rod, anchor=anchor, axis=turn.apply((0, 1, 0)), motor=motor)
+        world.advance(STEP, 12)
+        assert hinge.speed == pytest.approx(5.0 * 0.2 / moment, rel=1e-9)

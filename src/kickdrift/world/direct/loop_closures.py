@@ -33,14 +33,13 @@ from kickdrift.world.joints.layout import (
     PUSH,
     RIGHT_HAND_SIDE,
     SLOPE,
-    SOLVED,
 )
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 # Stiffness of a held axis: impulse per error of speed, over its effective mass. The residual of a solution is removed by the
-# next one, which begins with its impulses. So that opposite impulses of redundant joints do not grow, each step of Newton's
-# method begins with those of the substep before, reduced by the fraction FORGOTTEN.
-_RIGID, FORGOTTEN = 1e6, 1e-3
+# next one, which begins with its impulses. With 1e6 a scaffold at rest needs one more of them, and takes twice as long; with
+# 1e8 rounding errors drive apart what has redundant joints: of 24 nets 14 keep their energy within 1 %, instead of 18.
+_RIGID = 1e7
 
 
 @compiled(cached=False, fast=True)
@@ -77,14 +76,19 @@ def _stiffness(link: int, k: int, world: int) -> float:
 
 @compiled(cached=False, fast=True)
 def begin_closings(island: int, world: int) -> None:
-    """Begin the solution of closing joints with the impulses of the substep before."""
+    """Begin the solution of closing joints without impulses.
+
+    With those of the substep before, a joint that is nearly redundant is an integral controller of its own error: as stiff as s
+    times the mass that it moves, it is unstable for s < 0.4, and its error grows by up to 1.12 times a substep, however short
+    that is. A grid of 8 x 8 balls then buckles within half a second with 16 substeps.
+    """
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         link = order[place, 0]
         joint = links[link, LINK_JOINT]
         for k in range(6):
-            work[link, BEGUN + k] = (1.0 - FORGOTTEN) * numbers[joint, SOLVED + k] - numbers[joint, JOINT_IMPULSE + k]
+            work[link, BEGUN + k] = -numbers[joint, JOINT_IMPULSE + k]
 
 
 @compiled(cached=False, fast=True)

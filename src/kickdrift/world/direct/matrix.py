@@ -24,6 +24,19 @@ def _divided(s: Symmetric, divisor: float) -> Symmetric:
     return (s[0] / divisor, s[1] / divisor, s[2] / divisor, s[3] / divisor, s[4] / divisor, s[5] / divisor)
 
 
+@compiled(inline=True, cached=False, fast=True)
+def _about_one_axis(w: Symmetric, trace: float) -> Symmetric:
+    """Return the moments of a body whose inverse moments w, with this trace, are those about one axis u alone: w = trace u u^T.
+
+    With the other inverse moments raised from zero, the cofactor along u would be their square, and smaller than rounding.
+    """
+    immovable = _IMMOVABLE / trace
+    part = (1.0 / trace - immovable) / trace
+    return (
+        immovable + part * w[0], immovable + part * w[1], immovable + part * w[2], part * w[3], part * w[4], part * w[5]
+    )  # fmt: skip
+
+
 @compiled(cached=False, fast=True)
 def put_inertia(link: int, ahead: float, world: int) -> None:
     """Write the 6 x 6 inertia of the body of a link about its centre of mass, for velocities that act for a time `ahead`, s.
@@ -43,10 +56,14 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
     )
     if trace > 0.0:
         c = cross((w[3], w[1], w[5]), (w[4], w[5], w[2]))
-        if w[0] * c[0] + w[3] * c[1] + w[4] * c[2] < 1e-14 * trace * trace * trace:
-            least = trace / _IMMOVABLE
-            w = (w[0] + least, w[1] + least, w[2] + least, w[3], w[4], w[5])
-        moments = inverse_symmetric(w)
+        minors = w[0] * w[1] + w[1] * w[2] + w[2] * w[0] - w[3] * w[3] - w[4] * w[4] - w[5] * w[5]
+        if minors < trace * trace / _IMMOVABLE:
+            moments = _about_one_axis(w, trace)
+        else:
+            if w[0] * c[0] + w[3] * c[1] + w[4] * c[2] < 1e-14 * trace * trace * trace:
+                least = trace / _IMMOVABLE
+                w = (w[0] + least, w[1] + least, w[2] + least, w[3], w[4], w[5])
+            moments = inverse_symmetric(w)
     else:
         immovable = _IMMOVABLE * mass
         moments = (immovable, immovable, immovable, 0.0, 0.0, 0.0)

@@ -197,14 +197,17 @@ def _solve_carefully(island: int, h: float, world: int) -> None:
     """Solve from velocities that joints allow, and keep these if no solution is found near them.
 
     Warm starting impulses that add far too much energy are dropped: after a substep without a solution they may be arbitrary.
+    Those of joints are judged together with the friction that they bear, which would not act before the drift without them.
     """
     islands = integers(world, ISLAND)
-    if kinetic_energy(island, NOTED, world) > WILD * kinetic_energy(island, KICKED, world):
+    _project(island, h, GENTLY, PRESS, world)
+    energy = kinetic_energy(island, MOTION, world)
+    if energy > WILD * kinetic_energy(island, KICKED, world) + energy_given(island, world):
         begin_from_kick(island, world)
         note_velocities(island, world)
         note_impulses(island, False, world)
-    _project(island, h, GENTLY, PRESS, world)
-    energy = kinetic_energy(island, MOTION, world)
+        _project(island, h, GENTLY, PRESS, world)
+        energy = kinetic_energy(island, MOTION, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
     off = _approach(island, h, off, ROUNDS, world)
     if not (
