@@ -91,12 +91,26 @@ def test_each_example_of_the_gallery_has_a_title_a_text_and_a_number():
 # Returned or raised, not made or called.
 RESULTS = {"Advice", "LostBodyError", "LyapunovExponents", "Merger", "ObservedOrder", "OrbitalElements", "PoincareSection",
            "WorkPrecision", "InterpretedWarning", "UnsolvedWarning"}  # fmt: skip
-INSIDE = {"advance_from", "do_steps"}  # of a world, for the package itself
+# Methods for the package itself, which no page shows
+INSIDE = {"advance_from", "do_steps", "drawn_cloth", "presenter", "presenters"}
+SHOWN_WITH_METHODS = (
+    kd.World,
+    kd.Solution,
+    kd.Recording,
+    kd.EnsembleSolution,
+    kd.Box,
+    kd.Sphere,
+    kd.Capsule,
+    kd.Cylinder,
+    kd.Cone,
+    kd.Hull,
+)
 
 
 def test_every_public_function_has_an_example():
     public = {f"{module.__name__}.{name}": getattr(module, name) for module in MODULES for name in module.__all__}
-    public |= {f"World.{name}": getattr(kd.World, name) for name in dir(kd.World) if name[0] != "_"}
+    for shown in SHOWN_WITH_METHODS:
+        public |= {f"{shown.__name__}.{name}": getattr(shown, name, None) for name in dir(shown) if name[0] != "_"}
     without = [
         name
         for name, one in public.items()

@@ -236,6 +236,13 @@ class Solution:
             For another end than that.
         KickdriftError
             If the solution was loaded from a file or comes from another process, without its equations.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> sol.continue_to(2.0)
+        <Solution of kepler by semi-implicit-euler: 201 times from 0 to 2, 200 steps of 0.01, completed>
         """
         if self.saved_to:
             raise KickdriftError(
@@ -249,13 +256,30 @@ class Solution:
         return self.continuation(t)
 
     def report(self) -> str:
-        """Return a report on the run, as text with one fact per line."""
+        """Return a report on the run, as text with one fact per line.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> print(sol.report())  # doctest: +ELLIPSIS
+        system                  kepler
+        method                  semi-implicit-euler, order 1: K D
+        ...
+        """
         return self.presenters.report(self)
 
     def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
         """Plot trajectory and energy error; return the matplotlib figure, and write it to `path` if given.
 
         Into `ax`, axes of matplotlib, only the trajectory is drawn.
+
+        Examples
+        --------
+        >>> from tempfile import mkdtemp
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> figure = sol.plot(mkdtemp() + "/orbit.png")
         """
         return self.presenters.plot(self, path, ax=ax)
 
@@ -263,6 +287,14 @@ class Solution:
         """Write a page that plays in the browser, without a server; returns its path.
 
         See `kickdrift.viewer.recording.recording_to_html` and `kickdrift.viewer.solution.solution_to_html`.
+
+        Examples
+        --------
+        >>> from tempfile import mkdtemp
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> sol.to_html(mkdtemp() + "/orbit.html").name
+        'orbit.html'
         """
         return self.presenters.to_html(self, path)
 
@@ -273,19 +305,51 @@ class Solution:
         ----------
         height : int
             Of the frame, in pixels.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> frame = sol.show()  # at the end of a cell
         """
         return self.presenters.show(self, height)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path."""
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path.
+
+        Examples
+        --------
+        >>> from tempfile import mkdtemp
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> path = sol.save(mkdtemp() + "/orbit.npz")
+        >>> bool((kd.load(path).x == sol.x).all())
+        True
+        """
         return self.presenters.save(self, path)
 
     def to_pandas(self) -> Any:
-        """Return a `pandas.DataFrame`, one row per time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``."""
+        """Return a `pandas.DataFrame`, one row per time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> list(sol.to_pandas().columns)
+        ['x[x]', 'x[y]', 'v[x]', 'v[y]', 'energy', 'angular momentum']
+        """
         return self.presenters.to_pandas(self)
 
     def to_xarray(self) -> Any:
-        """Return an `xarray.Dataset` with named dimensions and units."""
+        """Return an `xarray.Dataset` with named dimensions and units.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
+        >>> sol.to_xarray().x.dims
+        ('time', 'space')
+        """
         return self.presenters.to_xarray(self)
 
     def _repr_html_(self) -> str:

@@ -157,15 +157,46 @@ class EnsembleSolution:
         )
 
     def report(self) -> str:
-        """Return a report on the members, as text with one fact per line."""
+        """Return a report on the members, as text with one fact per line.
+
+        Examples
+        --------
+        >>> import numpy as np, kickdrift as kd
+        >>> orbit = kd.systems.kepler()
+        >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+        >>> print(runs.report())  # doctest: +ELLIPSIS
+        system                  kepler
+        members                 16
+        ...
+        """
         return self.presenters.report(self)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path."""
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path.
+
+        Examples
+        --------
+        >>> from tempfile import mkdtemp
+        >>> import numpy as np, kickdrift as kd
+        >>> orbit = kd.systems.kepler()
+        >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+        >>> path = runs.save(mkdtemp() + "/orbits.npz")
+        >>> bool((kd.load(path).x == runs.x).all())
+        True
+        """
         return self.presenters.save(self, path)
 
     def to_xarray(self) -> Any:
-        """Return an `xarray.Dataset` with named dimensions, ``member`` the first, and units."""
+        """Return an `xarray.Dataset` with named dimensions, ``member`` the first, and units.
+
+        Examples
+        --------
+        >>> import numpy as np, kickdrift as kd
+        >>> orbit = kd.systems.kepler()
+        >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+        >>> runs.to_xarray().x.dims
+        ('member', 'time', 'space')
+        """
         return self.presenters.to_xarray(self)
 
     def __repr__(self) -> str:

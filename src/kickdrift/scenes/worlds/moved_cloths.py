@@ -71,15 +71,8 @@ def tablecloth(*, vertices: tuple[int, int] = (46, 34), acceleration: float = 4.
     world = World()
     world.add_plane()
     top = 0.75
-    thick = 0.14  # with round edges: cloth whose vertices alone collide catches on sharp ones, and on what is thin
-    length, width = 1.2 - thick, 0.8 - thick
-    world.add_box((length, width, thick), position=(0, 0, top - 0.5 * thick), friction=0.2, static=True)
-    for side in (-0.5, 0.5):
-        for middle, along, size in (((side * length, 0), (1, -1, 0), width), ((0, side * width), (1, 0, 1), length)):
-            world.add_capsule(
-                0.5 * thick, size, position=(*middle, top - 0.5 * thick), orientation=(along[0], along[1], along[2], 0),
-                friction=0.2, static=True,
-            )  # fmt: skip
+    thick = 0.05
+    world.add_box((1.2, 0.8, thick), position=(0, 0, top - 0.5 * thick), friction=0.2, static=True)
     for x in (-0.45, 0.45):
         for y in (-0.25, 0.25):
             world.add_box((0.06, 0.06, top - thick), position=(x, y, 0.5 * (top - thick)), static=True)

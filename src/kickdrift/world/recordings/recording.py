@@ -150,6 +150,17 @@ class Recording(Solution):
         Raises
         ------
         KickdriftError
+            Always; it says what to do instead.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1)
+        >>> recording = world.run(duration=0.5, step=1 / 60)
+        >>> recording = world.run(duration=0.5, step=1 / 60)  # continues
+        >>> round(world.time, 12)
+        1.0
         """
         raise KickdriftError(
             "a recording cannot be continued, but its world can: world.run(duration, step) continues from its current"
@@ -176,6 +187,14 @@ class Recording(Solution):
         ------
         UnknownNameError
             If no body had it at the end; the message lists the names.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1, name="ball")
+        >>> world.run(duration=0.1, step=1 / 60).row("ball")
+        1
         """
         rows = {known: row for row, known in self.appearance.names.items()}
         if name not in rows:
@@ -194,6 +213,15 @@ class Recording(Solution):
         ------
         UnknownNameError
             If there is none; the message lists the names.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> sheet = world.add_cloth_grid(vertices=(3, 3), name="sheet")
+        >>> recording = world.run(duration=0.1, step=1 / 60)
+        >>> recording.cloth("sheet").shape
+        (7, 9, 3)
         """
         cloth = self.drawn_cloth(which)
         return self.particles[:, cloth.first : cloth.last]
@@ -231,11 +259,33 @@ class Recording(Solution):
             If the folder cannot be written.
         MissingExtraError
             If trimesh is not installed.
+
+        Examples
+        --------
+        >>> from tempfile import mkdtemp
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> sheet = world.add_cloth_grid(vertices=(3, 3), name="sheet")
+        >>> recording = world.run(duration=0.1, step=1 / 60)
+        >>> folder = recording.save_meshes(mkdtemp(), "sheet")
+        >>> sorted(path.name for path in folder.iterdir())[:2]
+        ['sheet-000000.obj', 'sheet-000001.obj']
         """
         return self.presenters.save_meshes(self, folder, which, form)
 
     def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None) -> Path:
-        """Write an animation of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`."""
+        """Write an animation of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`.
+
+        Examples
+        --------
+        >>> from tempfile import mkdtemp
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> ball = world.add_sphere(radius=0.1)
+        >>> recording = world.run(duration=0.1, step=1 / 60)
+        >>> recording.animate(mkdtemp() + "/fall.gif", progress=False).name
+        'fall.gif'
+        """
         return self.presenters.animate(self, path, speed=speed, rate=rate, progress=progress)
 
 

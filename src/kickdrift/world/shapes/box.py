@@ -97,7 +97,14 @@ class Box:
         return float(np.linalg.norm(self.numbers))
 
     def mass_properties(self) -> MassProperties:
-        """Return the mass properties at unit density."""
+        """Return the mass properties at unit density.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> round(float(kd.Box((1.0, 2.0, 0.5)).mass_properties().volume), 6)
+        1.0
+        """
         squares = np.square(self.size)
         volume = float(np.prod(self.size))
         return MassProperties(volume, np.zeros(3), np.diag(volume / 12.0 * (squares.sum() - squares)))

@@ -96,6 +96,12 @@ class Capsule:
         -----
         A hemisphere has its centre of mass at 3/8 of its radius from its flat side, and a moment of inertia of 83/320 m r^2
         about axes through that centre and parallel to the flat side.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> round(float(kd.Capsule(0.1, 1.0).mass_properties().volume), 6)
+        0.035605
         """
         r, half = self.radius, 0.5 * self.length
         cylinder = math.pi * r**2 * self.length

@@ -64,7 +64,14 @@ class Cone:
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:
-        """Return the mass properties at unit density."""
+        """Return the mass properties at unit density.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> round(float(kd.Cone(0.1, 1.0).mass_properties().volume), 6)
+        0.010472
+        """
         square = self.radius**2
         volume = math.pi * square * self.length / 3.0
         across = volume * 3.0 * (4.0 * square + self.length**2) / 80.0

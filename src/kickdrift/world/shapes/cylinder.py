@@ -63,7 +63,14 @@ class Cylinder:
         return math.hypot(self.radius, 0.5 * self.length)
 
     def mass_properties(self) -> MassProperties:
-        """Return the mass properties at unit density."""
+        """Return the mass properties at unit density.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> round(float(kd.Cylinder(0.1, 1.0).mass_properties().volume), 6)
+        0.031416
+        """
         square = self.radius**2
         volume = math.pi * square * self.length
         across = volume * (3.0 * square + self.length**2) / 12.0

@@ -129,6 +129,12 @@ class Hull:
         The sum over tetrahedra between the mean of the corners and the triangles of the faces. The second moments of a
         tetrahedron of volume V with one corner at the origin are V/20 (S S^T + sum of x x^T), where S is the sum of the
         other corners x.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> round(float(kd.Hull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]).mass_properties().volume), 6)
+        0.166667
         """
         middle = self.vertices.mean(axis=0)
         triangles = np.array([(face[0], *pair) for face in self.faces for pair in pairwise(face[1:])])

@@ -73,7 +73,14 @@ class Sphere:
         return self.radius
 
     def mass_properties(self) -> MassProperties:
-        """Return the mass properties at unit density."""
+        """Return the mass properties at unit density.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> round(float(kd.Sphere(0.5).mass_properties().volume), 6)
+        0.523599
+        """
         volume = 4.0 / 3.0 * math.pi * self.radius**3
         return MassProperties(volume, np.zeros(3), 0.4 * volume * self.radius**2 * np.eye(3))
 
