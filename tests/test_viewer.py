@@ -21,7 +21,7 @@ from kickdrift.core.errors import ArgumentError, FileFormatError, KickdriftError
 from kickdrift.core.rotations import about, turned
 from kickdrift.viewer.recording import rows_shown
 from kickdrift.viewer.surfaces import SURFACES, halves_of_ball, surface_of
-from kickdrift.world.recordings.recording import DrawnShape, Rod
+from kickdrift.world.recordings.appearance import DrawnShape, Rod
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.catalogue import KINDS, kind_of

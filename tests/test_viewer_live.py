@@ -28,7 +28,7 @@ from kickdrift.viewer.controls import driven_axes
 from kickdrift.viewer.grip import Grip
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.server import local_server
-from kickdrift.world.recordings.recording import appearance
+from kickdrift.world.recordings.appearance import appearance
 
 STEP = 1 / 128  # a power of two: sums of steps are exact
 

@@ -23,7 +23,8 @@ from kickdrift.plots.camera import axes_of, showing
 from kickdrift.plots.painter import AHEAD, Painter
 from kickdrift.plots.scenery import Pose
 from kickdrift.world.layout import DYNAMIC, STATIC
-from kickdrift.world.recordings.recording import Appearance, DrawnShape, Recording, Rod
+from kickdrift.world.recordings.appearance import Appearance, DrawnShape, Rod
+from kickdrift.world.recordings.recording import Recording
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.cone import Cone

@@ -24,7 +24,8 @@ from kickdrift.core.errors import (
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.version import VERSION
 from kickdrift.engine.impacts import Impacts, sphere_gaps
-from kickdrift.engine.solution import Presenters, Solution
+from kickdrift.engine.presented import Presenters
+from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.engine.step_control import (
     HairerSoderlind,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,27 +13,13 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.dense import DenseOutput, States
 from kickdrift.engine.description import Description
+from kickdrift.engine.presented import Presented
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Presenters:
-    """Functions of higher layers for solutions: the package passes them down when it is imported."""
-
-    plot: Callable[..., Any]
-    to_html: Callable[..., Path]
-    save: Callable[..., Path]
-    to_pandas: Callable[..., Any]
-    to_xarray: Callable[..., Any]
-    report: Callable[..., str]
-    keep: Callable[..., None]
-    show: Callable[..., Any]
-    html: Callable[..., str]
-
-
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(Presented):
     """States of a system at the times kept, and how the run went.
 
     Attributes
@@ -113,8 +97,6 @@ class Solution:
     dense: DenseOutput | None = field(default=None, repr=False)
     continuation: Callable[[float], Solution] | None = field(default=None, repr=False)
     saved_to: str = ""
-
-    presenters: ClassVar[Presenters]
 
     @property
     def success(self) -> bool:
@@ -254,107 +236,6 @@ class Solution:
                 " another process, solve with checkpoint='folder'."
             )
         return self.continuation(t)
-
-    def report(self) -> str:
-        """Return a report on the run, as text with one fact per line.
-
-        Examples
-        --------
-        >>> import kickdrift as kd
-        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> print(sol.report())  # doctest: +ELLIPSIS
-        system                  kepler
-        method                  semi-implicit-euler, order 1: K D
-        ...
-        """
-        return self.presenters.report(self)
-
-    def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
-        """Plot trajectory and energy error; return the matplotlib figure, and write it to `path` if given.
-
-        Into `ax`, axes of matplotlib, only the trajectory is drawn.
-
-        Examples
-        --------
-        >>> from tempfile import mkdtemp
-        >>> import kickdrift as kd
-        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> figure = sol.plot(mkdtemp() + "/orbit.png")
-        """
-        return self.presenters.plot(self, path, ax=ax)
-
-    def to_html(self, path: str | Path) -> Path:
-        """Write a page that plays in the browser, without a server; returns its path.
-
-        See `kickdrift.viewer.recording.recording_to_html` and `kickdrift.viewer.solution.solution_to_html`.
-
-        Examples
-        --------
-        >>> from tempfile import mkdtemp
-        >>> import kickdrift as kd
-        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> sol.to_html(mkdtemp() + "/orbit.html").name
-        'orbit.html'
-        """
-        return self.presenters.to_html(self, path)
-
-    def show(self, height: int = 480) -> Any:
-        """Return the page of `to_html` as a value that a notebook shows in its cell, without a server.
-
-        Parameters
-        ----------
-        height : int
-            Of the frame, in pixels.
-
-        Examples
-        --------
-        >>> import kickdrift as kd
-        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> frame = sol.show()  # at the end of a cell
-        """
-        return self.presenters.show(self, height)
-
-    def save(self, path: str | Path) -> Path:
-        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path.
-
-        Examples
-        --------
-        >>> from tempfile import mkdtemp
-        >>> import kickdrift as kd
-        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> path = sol.save(mkdtemp() + "/orbit.npz")
-        >>> bool((kd.load(path).x == sol.x).all())
-        True
-        """
-        return self.presenters.save(self, path)
-
-    def to_pandas(self) -> Any:
-        """Return a `pandas.DataFrame`, one row per time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``.
-
-        Examples
-        --------
-        >>> import kickdrift as kd
-        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> list(sol.to_pandas().columns)
-        ['x[x]', 'x[y]', 'v[x]', 'v[y]', 'energy', 'angular momentum']
-        """
-        return self.presenters.to_pandas(self)
-
-    def to_xarray(self) -> Any:
-        """Return an `xarray.Dataset` with named dimensions and units.
-
-        Examples
-        --------
-        >>> import kickdrift as kd
-        >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> sol.to_xarray().x.dims
-        ('time', 'space')
-        """
-        return self.presenters.to_xarray(self)
-
-    def _repr_html_(self) -> str:
-        """Return the HTML that a notebook shows: the report, and a small picture."""
-        return self.presenters.html(self)
 
     def __repr__(self) -> str:
         return (

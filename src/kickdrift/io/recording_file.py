@@ -8,7 +8,8 @@ import numpy as np
 from kickdrift.core import archive
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.io.solution_file import arrays_of, header_of, members
-from kickdrift.world.recordings.recording import Appearance, DrawnCloth, DrawnShape, Recording, Rod
+from kickdrift.world.recordings.appearance import Appearance, DrawnCloth, DrawnShape, Rod
+from kickdrift.world.recordings.recording import Recording
 
 
 def save_recording(recording: Recording, path: str | Path) -> Path:

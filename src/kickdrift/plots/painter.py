@@ -13,7 +13,8 @@ from kickdrift.plots.lighting import BACKGROUND, FADE, GRID, LAMP, SETTING, ligh
 from kickdrift.plots.rendering import MIDDLE, REACH, cast, clear, ray_addresses
 from kickdrift.plots.scenery import Pose, Scenery, Sight, is_plane, outline
 from kickdrift.world.layout import DYNAMIC
-from kickdrift.world.recordings.recording import DrawnShape, Recording
+from kickdrift.world.recordings.appearance import DrawnShape
+from kickdrift.world.recordings.recording import Recording
 
 Floats = NDArray[np.float64]
 _SAMPLES = 2  # rays for a pixel, along each side of it

@@ -12,7 +12,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.rotations import product, turn_to, turned
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.layout import DYNAMIC, REMOVED
-from kickdrift.world.recordings.recording import Appearance, DrawnShape
+from kickdrift.world.recordings.appearance import Appearance, DrawnShape
 from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
 from kickdrift.world.shapes.record import BALL, EXTENT, HALF_SPACE, PLAIN

@@ -11,7 +11,7 @@ from kickdrift.core.rotations import product, turned
 from kickdrift.viewer.meshes import ClothMesh, Drag, Drawn, JointLines, State, batches_of
 from kickdrift.viewer.surfaces import surface_of
 from kickdrift.world.layout import DYNAMIC, REMOVED
-from kickdrift.world.recordings.recording import Appearance, DrawnShape
+from kickdrift.world.recordings.appearance import Appearance, DrawnShape
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import HALF_SPACE
 

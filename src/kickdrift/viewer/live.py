@@ -22,7 +22,7 @@ from kickdrift.viewer.page import Stage
 from kickdrift.viewer.server import ADDRESS, local_server
 from kickdrift.world.arguments import number
 from kickdrift.world.layout import DYNAMIC
-from kickdrift.world.recordings.recording import Appearance, appearance
+from kickdrift.world.recordings.appearance import Appearance, appearance
 from kickdrift.world.tables import CLOTH, SHAPE
 from kickdrift.world.world import World
 

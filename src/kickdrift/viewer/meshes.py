@@ -11,7 +11,7 @@ from kickdrift.core.rotations import product, turned
 from kickdrift.viewer.page import Singles, linear, rounded
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.layout import DYNAMIC
-from kickdrift.world.recordings.recording import Appearance, DrawnCloth, DrawnShape, Rod
+from kickdrift.world.recordings.appearance import Appearance, DrawnCloth, DrawnShape, Rod
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import BALL
 

@@ -13,7 +13,8 @@ from kickdrift.viewer.curves import Curve, panel
 from kickdrift.viewer.meshes import FINE, TURN, State
 from kickdrift.viewer.page import Stage, check_in_memory, write_page
 from kickdrift.world.layout import DYNAMIC
-from kickdrift.world.recordings.recording import DrawnShape, Recording
+from kickdrift.world.recordings.appearance import DrawnShape
+from kickdrift.world.recordings.recording import Recording
 
 Floats = NDArray[np.float64]
 _RATE = 30.0  # states a second, at least, where so many were kept

@@ -10,8 +10,8 @@ from kickdrift.world.arguments import vector
 from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
-from kickdrift.world.cloth.winds import WINDS
-from kickdrift.world.force_stage import Force, force_of
+from kickdrift.world.cloth.wind_functions import WINDS
+from kickdrift.world.force_functions import Force, force_of
 from kickdrift.world.tables import LOAD, POSE, Tables
 
 Floats = NDArray[np.float64]

@@ -97,7 +97,7 @@ SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found again
 TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
 EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted: see `kickdrift.world.collision.filters`
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users have excluded; the others are joined
-FORCE_NUMBERS = Table(62, 1)  # numbers captured by users' forces: see `kickdrift.world.force_stage`
+FORCE_NUMBERS = Table(62, 1)  # numbers captured by users' forces: see `kickdrift.world.force_functions`
 
 # The substeps: see `kickdrift.world.batch`
 MEMBER = Table(63, 1, whole=True)  # bodies that a substep moves, one batch after the other

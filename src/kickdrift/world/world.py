@@ -24,7 +24,7 @@ from kickdrift.world.cloth.adding_soft_bodies import AddsSoftBodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.events import ContactEvent, events, touching
-from kickdrift.world.force_stage import Force
+from kickdrift.world.force_functions import Force
 from kickdrift.world.forces import AppliesForces
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint

@@ -20,7 +20,7 @@ from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.cloth.mesh_tables import mesh_in, put_mesh
 from kickdrift.world.cloth.particle_tables import arrange
-from kickdrift.world.cloth.pinning import add_pins, remove_pins
+from kickdrift.world.cloth.pin_rows import add_pins, remove_pins
 from kickdrift.world.cloth.ranges import add_range, remove_range, rows_of
 from kickdrift.world.cloth.rope import Rope
 from kickdrift.world.cloth.soft_body import SoftBody

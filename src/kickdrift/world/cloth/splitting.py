@@ -9,7 +9,7 @@ from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.coupling_tables import put_couplings
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, masses_of
 from kickdrift.world.cloth.mesh_tables import mesh_in, put_triangles
-from kickdrift.world.cloth.pinning import copy_pins
+from kickdrift.world.cloth.pin_rows import copy_pins
 from kickdrift.world.cloth.ranges import replace_rows, rows_of
 from kickdrift.world.cloth.vibration import put_membrane_rate
 from kickdrift.world.tables import (

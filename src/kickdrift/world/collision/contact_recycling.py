@@ -5,7 +5,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
-from kickdrift.world.collision.acceleration import closing_acceleration, reach
+from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import is_round, sort_of
 from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, has_change, way_on_path

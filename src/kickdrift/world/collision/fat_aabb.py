@@ -12,7 +12,7 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, times, turned
 from kickdrift.world.collision.aabb import box_around
-from kickdrift.world.collision.acceleration import acceleration, angular_acceleration, reach
+from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration, reach
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.predicted_path import CHANGE_TIME, WIDE_BOUNDS, has_change, path

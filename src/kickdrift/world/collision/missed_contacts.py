@@ -12,7 +12,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
-from kickdrift.world.collision.acceleration import reach
+from kickdrift.world.collision.body_acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.filters import may_touch

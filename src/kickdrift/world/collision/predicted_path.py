@@ -8,7 +8,7 @@ with the position and velocity of that attempt.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, dot, exponential, length, minus, plus, product, times
-from kickdrift.world.collision.acceleration import acceleration, angular_acceleration
+from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.columns import column, quaternion_at, vector_at
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC
 from kickdrift.world.settings import STEP

@@ -24,7 +24,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
-from kickdrift.world.collision.acceleration import closing_acceleration, reach
+from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, radius, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, next_change, path, velocity_then

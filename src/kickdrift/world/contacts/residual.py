@@ -8,7 +8,7 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
-from kickdrift.world.collision.acceleration import weight_per_mass
+from kickdrift.world.collision.body_acceleration import weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED

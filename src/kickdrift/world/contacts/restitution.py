@@ -20,7 +20,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus
-from kickdrift.world.collision.acceleration import acceleration, angular_acceleration
+from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at

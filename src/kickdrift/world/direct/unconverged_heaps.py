@@ -11,7 +11,7 @@ of ten cubes, each 1.5 times as large as the one below, leans so far that it fal
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
-from kickdrift.world.collision.acceleration import acceleration, weight_per_mass
+from kickdrift.world.collision.body_acceleration import acceleration, weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import CROWD

@@ -9,7 +9,7 @@ from kickdrift.world.joints import axis as axes_of
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis import FREE, finite
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.placing import measure_again
+from kickdrift.world.joints.joint_positions import measure_again
 from kickdrift.world.joints.record import Geared, Placement, Record
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.handle import Handle
 from kickdrift.world.joints.axis import Axis, Drive, Motor, check_kind, finite
+from kickdrift.world.joints.joint_positions import place, set_speed
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
-from kickdrift.world.joints.placing import place, set_speed
 from kickdrift.world.joints.views import JointViews, look_up
 from kickdrift.world.layout import AWAKE
 from kickdrift.world.sleeping import TIME

@@ -17,8 +17,8 @@ from kickdrift.world.joints.axis_law_rows import LAW_PARTS, LawPart, check_chang
 from kickdrift.world.joints.breaking import overloaded
 from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
+from kickdrift.world.joints.joint_positions import signs
 from kickdrift.world.joints.mass_changes import follow_mass
-from kickdrift.world.joints.placing import signs
 from kickdrift.world.joints.planar import within_plane
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange

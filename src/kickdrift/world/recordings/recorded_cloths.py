@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.ranges import rows_of
-from kickdrift.world.recordings.recording import DrawnCloth, appearance
+from kickdrift.world.recordings.appearance import DrawnCloth, appearance
 from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_REST
 
 if TYPE_CHECKING:

@@ -13,8 +13,9 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import deepest_overlap, widest_gap
+from kickdrift.world.recordings.appearance import DrawnCloth, appearance
 from kickdrift.world.recordings.recorded_cloths import RecordedCloths
-from kickdrift.world.recordings.recording import DrawnCloth, Recording, appearance
+from kickdrift.world.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

@@ -31,7 +31,7 @@ from kickdrift.world.direct.restitution import bounce_islands
 from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.events import note_touching
-from kickdrift.world.force_stage import begin_forces
+from kickdrift.world.force_functions import begin_forces
 from kickdrift.world.integration import drift, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints

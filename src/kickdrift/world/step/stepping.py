@@ -13,7 +13,7 @@ from kickdrift.world import settings
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.cloth.winds import WINDS
+from kickdrift.world.cloth.wind_functions import WINDS
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.contacts import contact_solver_simd
@@ -21,7 +21,7 @@ from kickdrift.world.contacts.batching import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
 from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
 from kickdrift.world.direct.solve import solve_islands
-from kickdrift.world.force_stage import FORCES, Force, put_numbers
+from kickdrift.world.force_functions import FORCES, Force, put_numbers
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recordings.recorder import Recorder

@@ -1,10 +1,10 @@
-"""Winds as Python functions of users, like forces; see `kickdrift.world.force_stage`."""
+"""Winds as Python functions of users, like forces; see `kickdrift.world.force_functions`."""
 
 import inspect
 
 from kickdrift.core.compilation import Function
 from kickdrift.world.cloth.layout import PARTICLE_VELOCITY
-from kickdrift.world.force_stage import FORCES, Force, Sort, force_of
+from kickdrift.world.force_functions import FORCES, Force, Sort, force_of
 
 WINDS = Sort(
     "wind",
@@ -25,7 +25,7 @@ def force_or_wind_of(function: Function) -> Force:
     Raises
     ------
     ArgumentError
-        As `kickdrift.world.force_stage.force_of`.
+        As `kickdrift.world.force_functions.force_of`.
     """
     code = getattr(inspect.unwrap(getattr(function, "py_func", function)), "__code__", None)
     blows = code is not None and "wind" in code.co_varnames[: code.co_argcount]
