@@ -254,3 +254,43 @@ def test_a_blunt_cone_that_tips_over_its_rim_stands_on_it(dip):
         world.step(STEP)
         lowest.append((points @ rotation_matrix(cone.orientation).T)[:, 2].min() + cone.position[2])
     assert np.min(lowest) > -0.01
+
+
+@pytest.mark.parametrize("angle", [90, 50, 30])
+@pytest.mark.parametrize("depth", [1e-3, 1e-6, -1e-3])
+@pytest.mark.parametrize("along", [0.0, 0.4])
+def test_crossed_cylinders_touch_at_one_point_where_their_axes_cross(angle, depth, along):
+    half = math.radians(angle) / 2
+    turn = (math.cos(half), 0.0, math.sin(half), 0.0)  # about y
+    manifold, thin, thick = np.zeros(64), np.array([0.2, 0.2, 1.0]), np.array([0.3, 0.3, 0.7])
+    pose = np.array([along * math.sin(2 * half), 0.5 - depth, along * math.cos(2 * half), *turn])
+    assert count_contacts((CYLINDER, CYLINDER), thin, thick, pose, 0.02, manifold) == 1
+    assert manifold[:3] == pytest.approx((0.0, 1.0, 0.0), abs=2e-3)
+    assert manifold[8:11] == pytest.approx((0.0, 0.2, 0.0), abs=3e-3)
+    assert manifold[11:14] == pytest.approx((0.0, -0.3, -along), abs=3e-3)
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-6])
+def test_a_plate_lies_on_the_middle_of_a_longer_cylinder(depth):
+    manifold, pose = np.zeros(64), np.array([0.0, 0.0, -0.5 + depth, math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0])
+    assert (
+        count_contacts((BOX, CYLINDER), np.array([0.5, 0.5, 0.2]), np.array([0.3, 0.3, 1.0]), pose, 0.02, manifold) == 2
+    )
+    assert manifold[:3] == pytest.approx((0.0, 0.0, -1.0))
+    assert sorted(manifold[[8, 16]]) == pytest.approx((-0.5, 0.5), abs=1e-3)
+
+
+@pytest.mark.parametrize("layers", [2, 4])
+def test_cylinders_that_lie_across_each_other_stay_there(layers):
+    world = kd.World()
+    world.add_plane(friction=0.6)
+    for layer in range(layers):
+        for side in (-0.4, 0.4):
+            place, axis = ((side, 0), 1) if layer % 2 else ((0, side), 2)
+            turn = np.zeros(4)
+            turn[[0, axis]] = math.sqrt(0.5)
+            world.add_cylinder(0.2, 1.6, position=(*place, 0.2 + 0.4 * layer), orientation=turn, mass=1.0, friction=0.6)
+    start = world.position.copy()
+    world.advance(STEP, 120)
+    assert np.abs(world.velocity).max() < 2e-3
+    assert world.position == pytest.approx(start, abs=2e-3)

@@ -113,6 +113,26 @@ def test_towers_of_growing_cubes_stand_from_the_first_step(factor, edge):
     assert np.abs(world.velocity).max() < 1e-12
 
 
+@pytest.mark.parametrize("rate", [60, 240, 960])
+def test_a_ball_drives_no_block_out_of_a_wall_faster_than_if_it_were_free(rate):
+    world = World()
+    world.add_plane(friction=0.6)
+    for row in range(7):
+        for place in range(8):
+            x = 0.5 * (place - 3.5 + (0.25 if row % 2 else -0.25))
+            world.add_box((0.5, 0.3, 0.25), position=(x, 0, 0.25 * row + 0.125), density=1000.0, friction=0.6)
+    world.advance(STEP, 20)
+    assert in_heaps(world) == 56
+    world.add_sphere(0.5, position=(0, -0.67, 0.9), velocity=(0, 15.0, 0), mass=200.0, friction=0.6)
+    energy, fastest = world.energy().total, 0.0
+    for _ in range(round(0.04 * rate) + 1):
+        world.step(1 / rate)
+        fastest = max(fastest, np.linalg.norm(world.velocity[:-1], axis=1).max())
+        assert world.energy().total <= energy * (1.0 + 1e-6)
+        energy = world.energy().total
+    assert 6.0 < fastest < 15.0 * 200.0 / (200.0 + 37.5)
+
+
 def weight(mass, force):
     for body in range(len(force)):
         force[body, 2] -= 9.81 * mass[body]

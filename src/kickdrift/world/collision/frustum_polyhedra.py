@@ -142,7 +142,8 @@ def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -
 @compiled
 def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tuple[int, float, Vector, float, float]:
     """Find the same among edges nearer than a limit; return also the distance of the nearest edge, 0.0 inside."""
-    number, share, normal, best, nearest, slope = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit, 1.0
+    number, share, normal, best, nearest = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit
+    above, slope = np.inf, 1.0
     for k in range(int(body[EDGES])):
         begin, end, _, _ = edge(body, k)
         if near > 0 and ((begin + 1) % near > 2 or (end + 1) % near > 2):
@@ -160,11 +161,13 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
             continue
         if limit < np.inf:
             nearest = min(nearest, max(distance, 0.0))
-        gap, size = lowest(seen, n) - highest(f, n), length(way)
-        rise = abs(dot(n, way)) / size
-        # Edges that meet at the deepest corner tie: the one most parallel to the surface wins.
-        if gap > best + _ROUNDING * size or (gap > best - _ROUNDING * size and rise < slope):
-            number, share, normal, best, slope = k, t, n, max(gap, best), rise
+        low, size = lowest(seen, n), length(way)
+        gap, lift, rise = low - highest(f, n), dot(n, along(p, t, way)) - low, abs(dot(n, way)) / size
+        # Parallel edges tie: the lowest wins. So do edges that meet at the deepest corner: the one most parallel to the surface
+        # wins.
+        ties, even = gap > best - _ROUNDING * size, lift < above + _ROUNDING * size
+        if gap > best + _ROUNDING * size or (ties and (lift < above - _ROUNDING * size or (even and rise < slope))):
+            number, share, normal, best, above, slope = k, t, n, max(gap, best), lift, rise
     return number, share, normal, best, nearest
 
 

@@ -195,14 +195,12 @@ def clear_contacts(island: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def update_contact_states(island: int, task: int, first: bool, bounded: bool, world: int) -> bool:
+def update_contact_states(island: int, task: int, first: bool, world: int) -> bool:
     """Assume the pieces of the laws of contacts that the current solution implies; return whether it was found with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
         settled = update_point_states(numbers, first) and settled
-        if task != PRESS and not first and not bounded:
-            find_bounds(constraint(order[k, 0], world), numbers)
         for bound in range(0 if task in (REST, BOUNCE) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
                 settled = update_bound_states(numbers, bound, first) and settled
@@ -211,12 +209,9 @@ def update_contact_states(island: int, task: int, first: bool, bounded: bool, wo
 
 @compiled(cached=False, fast=True)
 def bounds_hold(island: int, task: int, world: int) -> bool:
-    """Bound friction by the normal impulses of the solution; return whether it was found with these bounds.
-
-    Not in a bounce, where a ball of 26 mg between bodies of 600 kg would be thrown at 500 m/s.
-    """
+    """Bound friction by the normal impulses of the solution; return whether it was found with these bounds."""
     own, order, hold = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
-    if task != REST:
+    if task not in (REST, BOUNCE):
         return True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)

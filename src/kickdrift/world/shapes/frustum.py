@@ -106,13 +106,15 @@ def deepest(frustum: Frustum, start: Vector, end: Vector) -> tuple[float, Vector
         t = low + (high - low) * below / (below - above) if turn % 3 != 2 else 0.5 * (low + high)
         _, n = signed_distance(frustum, along(start, t, way))
         slope = dot(n, way)
+        if slope == 0.0:
+            return t, n
         if slope < 0.0:
             low, n_low, down, below = t, n, slope, slope
             above *= 0.5
         else:
             high, n_high, up, above = t, n, slope, slope
             below *= 0.5
-        if high - low < 1e-14 or slope == 0.0:
+        if high - low < 1e-14:
             break
     share = up / (up - down)
     x = share * n_low[0] + (1.0 - share) * n_high[0]
