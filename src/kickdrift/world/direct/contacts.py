@@ -211,12 +211,9 @@ def update_contact_states(island: int, task: int, first: bool, bounded: bool, wo
 
 @compiled(cached=False, fast=True)
 def bounds_hold(island: int, task: int, world: int) -> bool:
-    """Bound friction by the normal impulses of the solution; return whether it was found with these bounds.
-
-    Not in a bounce, where a ball of 26 mg between bodies of 600 kg would be thrown at 500 m/s.
-    """
+    """Bound friction by the normal impulses of the solution; return whether it was found with these bounds."""
     own, order, hold = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
-    if task != REST:
+    if task not in (REST, BOUNCE):
         return True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
