@@ -80,6 +80,44 @@ def test_a_blow_goes_through_a_chain_at_once():
     assert world.velocity[1:4] == pytest.approx(np.array([[3, 0, 0]] * 3), abs=1e-6)
 
 
+@pytest.mark.parametrize("seed", [1, 5, 10, 12, 13, 15])
+def test_balls_that_strike_a_door_at_once_obey_the_laws_of_newton_and_coulomb(seed):
+    rng = np.random.default_rng(seed)
+    e, mu, speed, gap = rng.uniform(0.3, 1.0), rng.uniform(0.1, 0.8), 3.0, 1e-7
+    world, masses, surface = World(WEIGHTLESS), [], {"restitution": e, "friction": mu}
+    door = world.add_box((2.0, 0.1, 1.0), position=(1.0, 0, 0), mass=10.0 ** rng.uniform(-0.5, 0.5), **surface)
+    world.add_ball_joint(None, door, anchor=(0, 0, 0))
+    for x in (0.25, 0.75, 1.25, 1.75):
+        place = (x + rng.uniform(-0.15, 0.15), -0.15 - gap, rng.uniform(-0.4, 0.4))
+        velocity, spin = (rng.normal() * speed, speed, rng.normal() * speed), 30.0 * rng.normal(size=3)
+        masses.append(10.0 ** rng.uniform(-0.5, 0.5))
+        ball = {"position": place, "velocity": velocity, "angular_velocity": spin, "mass": masses[-1]}
+        world.add_sphere(0.1, **ball, **surface)
+    radius = np.array([0, 0.1, 0])
+    arm = world.position[2:] + radius - door.position
+
+    def slips():
+        v, w = world.velocity, world.angular_velocity
+        return v[2:] + np.cross(w[2:], radius) - v[1] - np.cross(w[1], arm)
+
+    before, began = slips(), world.velocity[2:].copy()
+    world.step(10 * gap / speed)
+    after, impulse = slips(), np.array(masses)[:, None] * (world.velocity[2:] - began)
+    normal, friction, slip = (
+        -impulse[:, 1],
+        np.linalg.norm(impulse[:, ::2], axis=1),
+        np.linalg.norm(after[:, ::2], axis=1),
+    )
+    faster = after[:, 1] + e * before[:, 1]
+    assert faster.max() < 0.01 * speed
+    assert np.abs(faster[normal > 0]).max() < 0.01 * speed
+    assert (friction <= 1.001 * mu * normal).all()
+    assert slip[friction < 0.99 * mu * normal].max(initial=0.0) < 0.01 * speed
+    assert (impulse * after)[:, ::2].sum(axis=1) == pytest.approx(
+        -friction * slip, abs=0.01 * speed
+    )  # opposed to sliding
+
+
 # Motors, brakes and grippers give what they may, also where contacts carry the load
 
 

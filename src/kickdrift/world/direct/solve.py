@@ -244,12 +244,12 @@ def _solve_joints(island: int, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> None:
-    """Project velocities onto those that joints and contacts allow at the present poses."""
+def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> bool:
+    """Project velocities onto those that joints and contacts allow at the present poses; return whether the laws hold."""
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    solve(island, h, 0.0, task, True, True, BY_LAWS, world)
+    return solve(island, h, 0.0, task, True, True, BY_LAWS, world)
 
 
 @compiled(cached=False)
