@@ -294,3 +294,13 @@ def test_cylinders_that_lie_across_each_other_stay_there(layers):
     world.advance(STEP, 120)
     assert np.abs(world.velocity).max() < 2e-3
     assert world.position == pytest.approx(start, abs=2e-3)
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-4, -1e-3])
+def test_the_apex_of_a_cone_touches_the_side_of_a_cylinder_where_it_is(depth):
+    manifold, pose = np.zeros(64), np.array([0.0, 0.5 - depth, 0.0, math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0])
+    count = count_contacts((CYLINDER, CONE), np.array([0.2, 0.2, 1.0]), np.array([0.5, 0.0, 0.3]), pose, 0.02, manifold)
+    assert count == 1
+    assert manifold[:3] == pytest.approx((0.0, 1.0, 0.0), abs=0.01)
+    assert manifold[8:11] == pytest.approx((0.0, 0.2, 0.0), abs=2e-3)
+    assert manifold[11:14] == pytest.approx((0.0, 0.0, 0.3), abs=2e-3)

@@ -16,7 +16,7 @@ from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.shape_frames import directed, set_frame, set_frame_back
 from kickdrift.world.contacts.layout import FEATURE, NORMAL, ON_A, ON_B, POINT, POINT_SIZE
-from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial
+from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial, signed_distance
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
 from kickdrift.world.tables import MANIFOLD
 
@@ -50,7 +50,8 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
     """Find the contact points of two frusta; see `kickdrift.world.collision`.
 
     The first is approximated by a polyhedron. If they overlap at a rim of the second, the direction of smallest penetration may
-    be a normal of the first: then the second is approximated as well, and the better of both contacts is used.
+    be a normal of the first: then, and where the point is not on the second, the second is approximated as well, and the better
+    of both contacts is used.
     """
     f, g = frustum_of(a), frustum_of(b)
     frame, back = floats_on_stack(12), floats_on_stack(12)
@@ -60,7 +61,7 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
     if size > 0.0 and _gap(f, g, back, (pose[0] / size, pose[1] / size, pose[2] / size)) > margin:
         return 0
     count = _as_polyhedron(f, g, back, margin, manifold)
-    if count > 1 or (count == 1 and not _at_rim(g, manifold, _gap(f, g, back, _normal(manifold)))):
+    if count > 1 or (count == 1 and not _is_doubtful(g, manifold, _gap(f, g, back, _normal(manifold)))):
         return count
     other = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
     found = _as_polyhedron(g, f, frame, margin, other)
@@ -85,14 +86,18 @@ def _normal(manifold: Any) -> Vector:
 
 
 @compiled(inline=True)
-def _at_rim(g: Frustum, manifold: Any, gap: float) -> bool:
-    """Whether two frusta overlap with the first contact point about as close to a rim of the second as the overlap is deep."""
-    if gap > 0.0:
-        return False
-    p = POINT + ON_B
+def _is_doubtful(g: Frustum, manifold: Any, gap: float) -> bool:
+    """Whether the first contact point is not on the second frustum, or is about as close to a rim as the overlap is deep.
+
+    A rim or an apex of the second may be beside the corner of the first by more than they overlap, as bisection leaves it.
+    """
+    p, slack = POINT + ON_B, 1e-3 * max(g[0], g[1], g[2])
     z = manifold[p + 2]
+    off, _ = signed_distance(g, (manifold[p], manifold[p + 1], z))
+    if off > slack or gap > 0.0:
+        return off > slack
     away = abs((g[1] if z > 0.0 else g[0]) - math.sqrt(manifold[p] ** 2 + manifold[p + 1] ** 2))
-    near: bool = max(away, g[2] - abs(z)) < 4.0 * abs(gap) + 1e-3 * max(g[0], g[2])
+    near: bool = max(away, g[2] - abs(z)) < 4.0 * abs(gap) + slack
     return near
 
 
