@@ -24,7 +24,7 @@ from kickdrift.world.contacts.layout import (
 )
 from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
-from kickdrift.world.shapes.record import HALF_SPACE
+from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step.status import NEEDS_TIME_OF_IMPACT, STATUS
 from kickdrift.world.tables import (
     BODY,
@@ -65,9 +65,9 @@ def find_points(t: float, h: float, world: int) -> None:
         way = _way(world, row)
         changes = has_change(world, contact[row, BODY_A]) or has_change(world, contact[row, BODY_B])
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
-        if moved + way < manifold[row, RECYCLED] and (
-            contact[row, POINTS] == 0 or moved <= _tolerance(world, a, b, contact[row, POINTS])
-        ):
+        # A triangle without points may be as near as those with points: at its edges it leaves them to its neighbours.
+        apart = contact[row, POINTS] == 0 and sort_of(world, a) != SURFACE
+        if moved + way < manifold[row, RECYCLED] and (apart or moved <= _tolerance(world, a, b, contact[row, POINTS])):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
         if changes or way > _far(world, a, b):
