@@ -10,6 +10,7 @@ from kickdrift.world.collision.dispatch import is_round, sort_of
 from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, has_change, way_on_path
 from kickdrift.world.collision.search_state import TRIES
+from kickdrift.world.collision.warm_starting import reserve_lost_points
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -35,6 +36,7 @@ from kickdrift.world.tables import (
     SEARCH,
     SETTINGS,
     STEP_STATUS,
+    TRIANGLE_TREE,
     floats,
     integers,
     rows,
@@ -46,6 +48,8 @@ _STANDING = 1e-4  # of its size: motion up to which a round shape standing on th
 @compiled
 def find_points(t: float, h: float, world: int) -> None:
     """Find the points of all contacts whose shapes have moved relative to each other."""
+    if rows(world, TRIANGLE_TREE) > 0 and not reserve_lost_points(world):
+        return
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     place, settings = floats(world, PLACE), floats(world, SETTINGS)
     awake, tried = integers(world, BODY), integers(world, SEARCH)[0, TRIES] > 0
