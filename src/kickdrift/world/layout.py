@@ -63,6 +63,7 @@ RADIUS = column(PLACE, 1, "m")  # of its bounding sphere about its origin; 0.0 f
 # PLACED: its pose in the world when the step began
 PLACED_POSITION = column(PLACED, 3, "m")
 PLACED_ORIENTATION = column(PLACED, 4)
+LAST_LOST = column(PLACED)  # row of LOST_POINT, plus 1: the last point that it has lost on a surface in this step
 
 # BOUNDS
 LOWER = column(BOUNDS, 3, "m")  # corners of its fat bounds

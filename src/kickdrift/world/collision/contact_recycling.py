@@ -10,6 +10,7 @@ from kickdrift.world.collision.dispatch import is_round, sort_of
 from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, has_change, way_on_path
 from kickdrift.world.collision.search_state import TRIES
+from kickdrift.world.collision.warm_starting import reserve_lost_points
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -24,7 +25,7 @@ from kickdrift.world.contacts.layout import (
 )
 from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
-from kickdrift.world.shapes.record import HALF_SPACE
+from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step.status import NEEDS_TIME_OF_IMPACT, STATUS
 from kickdrift.world.tables import (
     BODY,
@@ -35,6 +36,7 @@ from kickdrift.world.tables import (
     SEARCH,
     SETTINGS,
     STEP_STATUS,
+    TRIANGLE_TREE,
     floats,
     integers,
     rows,
@@ -46,6 +48,8 @@ _STANDING = 1e-4  # of its size: motion up to which a round shape standing on th
 @compiled
 def find_points(t: float, h: float, world: int) -> None:
     """Find the points of all contacts whose shapes have moved relative to each other."""
+    if rows(world, TRIANGLE_TREE) > 0 and not reserve_lost_points(world):
+        return
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
     place, settings = floats(world, PLACE), floats(world, SETTINGS)
     awake, tried = integers(world, BODY), integers(world, SEARCH)[0, TRIES] > 0
@@ -65,9 +69,9 @@ def find_points(t: float, h: float, world: int) -> None:
         way = _way(world, row)
         changes = has_change(world, contact[row, BODY_A]) or has_change(world, contact[row, BODY_B])
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
-        if moved + way < manifold[row, RECYCLED] and (
-            contact[row, POINTS] == 0 or moved <= _tolerance(world, a, b, contact[row, POINTS])
-        ):
+        # A triangle without points may be as near as those with points: at its edges it leaves them to its neighbours.
+        apart = contact[row, POINTS] == 0 and sort_of(world, a) != SURFACE
+        if moved + way < manifold[row, RECYCLED] and (apart or moved <= _tolerance(world, a, b, contact[row, POINTS])):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
         if changes or way > _far(world, a, b):

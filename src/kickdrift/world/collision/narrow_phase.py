@@ -8,9 +8,9 @@ from numba import carray, types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, cross, dot, normal_to, plus, product, turned
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, product, turned
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, take_over_impulses
+from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, lose_points, take_over_impulses
 from kickdrift.world.columns import point_at, quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
@@ -29,6 +29,7 @@ from kickdrift.world.contacts.layout import (
 from kickdrift.world.layout import (
     BEGIN,
     BODY_ROW,
+    LAST_LOST,
     ORIENTATION,
     PLACE_ORIENTATION,
     PLACE_POSITION,
@@ -46,6 +47,7 @@ from kickdrift.world.tables import (
     COLLIDERS,
     CONTACT,
     GEOMETRY,
+    LOST_POINT,
     MANIFOLD,
     PLACE,
     PLACED,
@@ -55,6 +57,7 @@ from kickdrift.world.tables import (
     floats,
     integers,
     rows,
+    set_rows,
 )
 
 _ARRAY = types.Array(types.float64, 1, "C")
@@ -67,7 +70,8 @@ _NEAR = 0.2  # of the smaller shape: distance within which a point takes over th
 
 @compiled
 def place_shapes(t: float, h: float, world: int) -> None:
-    """Store the poses of all shapes in the world at the start of the step."""
+    """Store the poses of all shapes in the world at the start of the step, when none has lost a point."""
+    set_rows(world, LOST_POINT, 0)
     placed = floats(world, PLACED)
     for shape in range(rows(world, SHAPE)):
         at, turn = shape_pose(world, shape)
@@ -75,6 +79,7 @@ def place_shapes(t: float, h: float, world: int) -> None:
             placed[shape, PLACED_POSITION + k] = at[k]
         for k in range(4):
             placed[shape, PLACED_ORIENTATION + k] = turn[k]
+        placed[shape, LAST_LOST] = 0.0
 
 
 @compiled(inline=True)
@@ -107,6 +112,7 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     begin_b, size_b = shape[b, BEGIN], shape[b, SIZE]
     own = manifold[MANIFOLD.width * row : MANIFOLD.width * (row + 1)]
     found = own[FOUND_POSE : FOUND_POSE + 7]
+    moved = minus(at, point_at(own, FOUND_POSE))
     found[0], found[1], found[2] = at
     found[3], found[4], found[5], found[6] = turn
     before = contact[row, POINTS]
@@ -120,7 +126,10 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     if before == 0:
         contact[row, CONTACT_STATE] |= MOVING
     place = floats(world, PLACE)
-    take_over_impulses(own, old, before, count, _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]))
+    near = _NEAR * smallest(place[a, RADIUS], place[b, RADIUS])
+    take_over_impulses(own, old, before, count, near if kind_a != TRIANGLE else 0.0)
+    if kind_a == TRIANGLE:  # the nearest one may be on another triangle
+        lose_points(world, row, old, before, moved, near)
     own[WIDTH_OF_FACE] = _width(own, count)
 
 

@@ -17,6 +17,7 @@ from kickdrift.world.collision.missed_contacts import drop_paths, find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
 from kickdrift.world.collision.time_of_impact import find_impacts
+from kickdrift.world.collision.warm_starting import pass_on_impulses
 from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour
 from kickdrift.world.contacts.prepare import prepare
@@ -115,6 +116,7 @@ def word(uses: Uses) -> Word:
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
+        pass_on_impulses,
         *when(uses.sleeps, wake_touched),
         *when(uses.sleeps and uses.cloths, wake_cloths),
         *when(uses.joints, wake_joints, measure_joints, begin_joints),

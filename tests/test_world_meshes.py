@@ -1,0 +1,58 @@
+"""Bodies that move over the triangles of a flat mesh, against the same on a plane."""
+
+import math
+
+import numpy as np
+import pytest
+
+import kickdrift as kd
+
+G, STEP = 9.81, 1 / 240
+LYING = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # along y
+
+
+def ground(world, kind):
+    if kind == "plane":
+        world.add_plane(friction=0.9)
+        return
+    x, y = np.meshgrid(0.7 * np.arange(-2, 6), 0.7 * np.arange(-2, 3), indexing="ij")
+    corner = 5 * np.arange(7)[:, None] + np.arange(4)
+    faces = [
+        np.stack([corner, corner + 5, corner + 1], axis=-1),
+        np.stack([corner + 1, corner + 5, corner + 6], axis=-1),
+    ]
+    world.add_mesh(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), np.concatenate(faces).reshape(-1, 3), friction=0.9)
+
+
+@pytest.mark.parametrize("speed", [0.3, 1.0])
+def test_a_cylinder_that_rolls_over_the_edges_of_triangles_is_supported_in_each_step(speed):
+    world = kd.World()
+    ground(world, "mesh")
+    body = world.add_cylinder(0.2, 0.2, position=(0, 0.1, 0.2), orientation=LYING, friction=0.9).index
+    world.velocity[body], world.angular_velocity[body] = (speed, 0, 0), (0, speed / 0.2, 0)
+    for _ in range(round(1.5 / speed / STEP)):
+        world.step(STEP)
+        assert abs(world.velocity[body, 2]) < 0.01 * G * STEP
+
+
+def loads(kind):
+    """Loads of the wheels of a cart after each step, as shares of a quarter of its weight."""
+    world, radius = kd.World(), 0.2
+    ground(world, kind)
+    cart = world.add_box((1.2, 0.6, 0.1), position=(0, 0, radius), mass=3.0, collides_with=())
+    hinges = []
+    for x, y in ((-0.5, -0.4), (0.5, -0.4), (-0.5, 0.4), (0.5, 0.4)):
+        wheel = world.add_cylinder(radius, 0.1, position=(x, y, radius), orientation=LYING, mass=0.1, friction=0.9)
+        hinges.append(world.add_hinge(cart, wheel, anchor=(x, y, radius), axis=(0, 1, 0)))
+        world.velocity[wheel.index], world.angular_velocity[wheel.index] = (1.5, 0, 0), (0, 1.5 / radius, 0)
+    world.velocity[cart.index] = (1.5, 0, 0)
+    found = []
+    for _ in range(240):
+        world.step(STEP)
+        found.append([abs(hinge.force[2]) / (3.4 * G / 4) for hinge in hinges])
+    return np.array(found)
+
+
+def test_the_wheels_of_a_cart_keep_their_loads_from_triangle_to_triangle():
+    """They are not determined by statics, but by those that the wheels have had."""
+    assert loads("mesh") == pytest.approx(loads("plane"), abs=1e-6)
