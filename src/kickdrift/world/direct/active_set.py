@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts.layout import SOLVE_EQUATIONS
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
-from kickdrift.world.direct.contacts import BOUNCE, PRESS, bounds_hold, fix_contacts, update_contact_states
+from kickdrift.world.direct.contacts import BOUNCE, PRESS, RUB, bounds_hold, fix_contacts, update_contact_states
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
@@ -45,9 +45,9 @@ BY_LAWS, AS_ASSUMED, FOR_VELOCITIES = 0, 1, 2
 # with 40. With 40, sixteen ragdolls in a heap take 1.7 times as long.
 TRIALS, HEAP_TRIALS = 20, 40
 
-# The same for bounces, which are rare. Of 3600 impacts of one to six balls and boxes on linkages at once, 19 % need more than
-# 20, 5 % more than 40, 1.3 % more than 100, and 0.4 % more than 150.
-BOUNCE_TRIALS = 150
+# The same for the friction of bounces, which are rare. Of 3600 impacts of one to six balls and boxes on linkages at once, 8 %
+# need more than 20, 1 % more than 40, and 0.3 % more than 60.
+RUB_TRIALS = 60
 
 # After so many of them the bounds of friction are frozen, which makes the laws convex; the solution then gives the next bounds.
 # Without these, bounds stay what they happen to be: 589 of those 1000 get more, up to 400 times as much.
@@ -88,7 +88,7 @@ def solve_island(
     h, ahead : float
         Substep, and the time for which the new velocities act: h, 0 for a projection, -1 for position changes; s.
     task : int
-        The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `SMOOTH_BOUNCE`.
+        The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `RUB`.
     first : bool
         Whether the pieces of laws are assumed afresh.
     touched : bool
@@ -130,7 +130,7 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
     """
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
-    for trial in range(BOUNCE_TRIALS if task == BOUNCE else HEAP_TRIALS if heap else TRIALS):
+    for trial in range(RUB_TRIALS if task == RUB else HEAP_TRIALS if heap else TRIALS):
         settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
         if settled:
             found = left == 0 or refine(island, task, touched, world) < REFINED
