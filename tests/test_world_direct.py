@@ -68,6 +68,19 @@ def test_a_rod_on_a_hinge_rebounds_with_its_rate_times_e(arm, restitution):
     assert hinge.speed == pytest.approx(-3.0 * restitution, rel=0.01)
 
 
+def test_no_bounce_of_linked_bodies_is_lost_wherever_in_the_substep_it_happens():
+    # Among them are pairs whose gap closes only with the speed that gravity adds in the substep.
+    world = World(gravity=(0, 0, -G))
+    world.add_plane(restitution=0.8)
+    heights = np.linspace(0.5, 0.6, 100)
+    for k, height in enumerate(heights):
+        pair = [world.add_sphere(0.1, position=(x, k, height), mass=1.0, restitution=0.8) for x in (-0.2, 0.2)]
+        world.add_fixed_joint(*pair, anchor=(0, k, height))
+    world.advance(STEP, 30)
+    energy = world.velocity[2:, 2] ** 2 / 2 + G * (world.position[2:, 2] - 0.1)
+    assert energy == pytest.approx(0.64 * G * np.repeat(heights - 0.1, 2), rel=0.03)
+
+
 def test_a_blow_goes_through_a_chain_at_once():
     # Three rods in a row on ball joints, struck along the row by a ball of the mass of all three.
     world = World(WEIGHTLESS)

@@ -126,7 +126,10 @@ def _begin_points(
         gap = own[at + c.GAP * c.WIDTH] + along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
         if task == PRESS:
             numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.SOFTNESS * c.WIDTH] * gap, push)
-        elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:
+        elif task == REST and (
+            (gap > 0.0 and numbers[IMPULSE + k] == 0.0)
+            or numbers[SPEED + k] < -own[c.BOUNCE_THRESHOLD * c.WIDTH]  # it will bounce in the next substep
+        ):
             numbers[ACTIVE + k] = 0.0
         elif task >= BOUNCE:
             numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
