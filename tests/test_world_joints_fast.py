@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.world import World
@@ -106,6 +107,25 @@ def test_linked_bodies_without_restitution_do_not_turn_through_a_thin_wall(joint
         add(rod, other, anchor=centre + z * along)
     world.advance(STEP, 60)
     assert world.position[rods[0].index :, 0].max() < 0.0
+
+
+@pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")  # of energy that is lost, and said
+@pytest.mark.parametrize("seed", [19, 56, 129, 152, 166])
+def test_linkages_thrown_at_a_wall_gain_no_energy(seed):
+    """Three boxes hit it at 50 m/s with e = 1, and turn by up to several radians in a substep afterwards."""
+    rng, world = np.random.default_rng(seed), World(gravity=(0, 0, 0))
+    world.add_plane(restitution=1.0)
+    turn, boxes, start = Rotation.from_rotvec(2.0 * rng.normal(size=3)), [], np.array([0, 0, 2])
+    for k in range(3):
+        size, place = rng.uniform((0.13, 0.03, 0.03), (0.35, 0.25, 0.25)), turn.apply((0.3 * (k - 1), 0, 0)) + start
+        motion = {"orientation": turn.as_quat(scalar_first=True), "velocity": (0, 0, -50.0)}
+        boxes.append(world.add_box(size, position=place, mass=10 ** rng.uniform(-1, 1), restitution=1.0, **motion))
+    world.add_ball_joint(*boxes[:2], anchor=turn.apply((-0.15, 0, 0)) + start)
+    world.add_hinge(*boxes[1:], anchor=turn.apply((0.15, 0, 0)) + start, axis=rng.normal(size=3))
+    energy = world.energy().total
+    for _ in range(30):
+        world.step(STEP)
+        assert world.energy().total < 1.01 * energy
 
 
 def linkage(seed, rate, gravity=(0, 0, 0), damping=0.0, friction=0.0, **settings):

@@ -76,9 +76,13 @@ def find_bouncing(t: float, h: float, world: int) -> None:
     for row in range(rows(world, CONTACT)):
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
         bounces = e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST or (struck and _is_struck(world, row))
-        if bounces and contact[row, c.PLACE_IN_GROUPS] >= 0 and not _is_linked(world, row):
-            bouncing[count, 0] = row
+        if not bounces or contact[row, c.PLACE_IN_GROUPS] < 0:
+            continue
+        linked = _is_linked(world, row)
+        if e > 0.0 or not linked:
             constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(substep, world, row)
+        if not linked:
+            bouncing[count, 0] = row
             count += 1
     set_rows(world, BOUNCING, count)
 

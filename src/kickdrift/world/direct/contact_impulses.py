@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import inner, plus_scaled, put_spatial_of, spatial_at, spatial_of
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.contact_rows import bind, bind_points, first_row, give_of, impulse_field
-from kickdrift.world.direct.contacts import BOUNCE, PRESS, REST, SMOOTH_BOUNCE, read_both, twelve
+from kickdrift.world.direct.contacts import BOUNCE, PRESS, REST, read_both, twelve
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -83,7 +83,7 @@ def give_contacts(island: int, task: int, world: int) -> None:
         numbers, own_fields = contact_row(index, world), constraint(index, world)
         for m in range(12):
             given[m] = 0.0
-        if task in (PRESS, SMOOTH_BOUNCE):
+        if task in (PRESS, BOUNCE):
             bind_points(numbers)
         else:
             bind(numbers)

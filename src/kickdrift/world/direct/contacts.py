@@ -38,6 +38,7 @@ from kickdrift.world.direct.layout import (
     IMPULSE,
     NODES,
     ROW_MASS,
+    SPEED,
     START,
     STATE,
     TANGENT,
@@ -58,8 +59,8 @@ _NEAR = 0.01
 # end of the substep.
 PRESS = 0
 REST = 1  # touching points do not approach
-BOUNCE = 2  # points that hit leave with the speed of restitution
-SMOOTH_BOUNCE = 3  # the same without friction
+BOUNCE = 2  # points that hit leave with the speed of restitution, without friction
+RUB = 3  # friction of a bounce, which acts on the part of the motion that restitution leaves alone
 
 
 @compiled(cached=False, fast=True)
@@ -100,56 +101,78 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
         numbers[NODES + side] = place_in(island, body, world)
         if numbers[NODES + side] < 0.0 and node_of(world, body) >= 0:
             numbers[CUT] = 1.0 + side
-    presses, lever = _begin_points(own, numbers, velocity, change, a, b, h, task, world)
-    _begin_friction(own, numbers, velocity, a, b, task, presses, lever, world)
+    presses, lever, returned = _begin_points(own, numbers, velocity, change, a, b, h, task, world)
+    _begin_friction(own, numbers, velocity, a, b, task, presses, lever, returned, world)
     find_bounds(own, numbers)
 
 
 @compiled(cached=False, fast=True)
 def _begin_points(
     own: Any, numbers: Any, velocity: Any, change: Any, a: int, b: int, h: float, task: int, world: int
-) -> tuple[bool, float]:
-    """Set the target speeds of the points; return whether any is active, and their largest distance from the centre, m."""
+) -> tuple[bool, float, float]:
+    """Set the target speeds of the points; return whether any is active, and their largest distance from the centre, m.
+
+    Return also, for the friction of a bounce, which fraction of the smooth impulses restitution has given: e / (1 + e).
+    """
     rigid = PRESSING if task == PRESS else RIGID if task == REST else RIGID_BOUNCE
-    push, presses, lever = floats(world, SETTINGS)[0, PUSH_SPEED], False, 0.0
+    push, presses, lever, returned = floats(world, SETTINGS)[0, PUSH_SPEED], False, 0.0, 0.0
     for k in range(TANGENT):
         at = (c.P + c.POINT_FIELDS * k) * c.WIDTH
         if own[at + c.POINT_MASS * c.WIDTH] <= 0.0:
             numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
+        speed, given = numbers[SPEED + k], numbers[GIVEN + k]
         begin_row(own, numbers, k, velocity, a, b, rigid, world)
         gap = own[at + c.GAP * c.WIDTH] + along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
         if task == PRESS:
             numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.SOFTNESS * c.WIDTH] * gap, push)
-        elif task == REST and gap > 0.0 and numbers[IMPULSE + k] == 0.0:
+        elif task == REST and (
+            (gap > 0.0 and numbers[IMPULSE + k] == 0.0)
+            or numbers[SPEED + k] < -own[c.BOUNCE_THRESHOLD * c.WIDTH]  # it will bounce in the next substep
+        ):
             numbers[ACTIVE + k] = 0.0
         elif task >= BOUNCE:
             numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
-            numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], 0.0
+            numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], given if task == RUB else 0.0
+            if task == RUB and numbers[HITS + k] > 0.0:
+                returned = numbers[HITS + k] / (numbers[HITS + k] - speed)
         presses, lever = presses or numbers[ACTIVE + k] != 0.0, max(lever, own[at + c.LEVER * c.WIDTH])
-    return presses, lever
+    return presses, lever, returned
 
 
 @compiled(cached=False, fast=True)
 def _begin_friction(
-    own: Any, numbers: Any, velocity: Any, a: int, b: int, task: int, presses: bool, lever: float, world: int
+    own: Any,
+    numbers: Any,
+    velocity: Any,
+    a: int,
+    b: int,
+    task: int,
+    presses: bool,
+    lever: float,
+    returned: float,
+    world: int,
 ) -> None:
     """Set the right-hand sides of friction, torsion and rolling resistance, if they can act."""
     grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
     for bound in range(3):
         reach = own[c.ROLL * c.WIDTH] if bound == 2 else own[c.FRICTION * c.WIDTH] * (lever if bound == 1 else 1.0)
         # Before the drift friction keeps the impulses of the substep before.
-        if task in (PRESS, SMOOTH_BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
+        if task in (PRESS, BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
             for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
+                if task == BOUNCE:
+                    begin_row(own, numbers, k, velocity, a, b, grip, world)
                 numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
         for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
+            speed = numbers[SPEED + k]
             begin_row(own, numbers, k, velocity, a, b, grip, world)
             numbers[DIRECTION + k] = 0.0
-            if task >= BOUNCE:
-                numbers[IMPULSE + k] = 0.0
             if bound == 0:
                 numbers[WANTED + k] = own[(c.SURFACE_SPEED + k - TANGENT) * c.WIDTH]
+            if task == RUB:
+                numbers[IMPULSE + k] = 0.0
+                numbers[WANTED + k] += returned * (numbers[SPEED + k] - speed)
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -201,7 +224,7 @@ def update_contact_states(island: int, task: int, first: bool, world: int) -> bo
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
         settled = update_point_states(numbers, first) and settled
-        for bound in range(0 if task in (REST, BOUNCE) else 3, 3):
+        for bound in range(0 if task in (REST, RUB) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
                 settled = update_bound_states(numbers, bound, first) and settled
     return settled
@@ -211,7 +234,7 @@ def update_contact_states(island: int, task: int, first: bool, world: int) -> bo
 def bounds_hold(island: int, task: int, world: int) -> bool:
     """Bound friction by the normal impulses of the solution; return whether it was found with these bounds."""
     own, order, hold = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
-    if task not in (REST, BOUNCE):
+    if task not in (REST, RUB):
         return True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
