@@ -13,6 +13,8 @@ assumes constant arms. Smith, Kaufman, Vouga,
 Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 
+import numpy as np
+
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.restitution import slowest_bounce, strikes
@@ -47,10 +49,21 @@ def bounce_islands(t: float, h: float, world: int) -> None:
             solve_at_once(island, h, RELAX, BOUNCE, world)
             if kinetic_energy(island, MOTION, world) > most:  # no solution: nothing bounces
                 take_back_velocities(island, world)
+                _stop_hits(island, world)
                 break
             note_velocities(island, world)  # friction without a solution is left out
             if not solve_at_once(island, h, RELAX, RUB, world) or kinetic_energy(island, MOTION, world) > most:
                 take_back_velocities(island, world)
+        else:
+            _stop_hits(island, world)
+
+
+@compiled(cached=False)
+def _stop_hits(island: int, world: int) -> None:
+    """Leave the points of an island that hit to the solution after the drift, which otherwise waits for their bounce."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        constraint(order[k, 0], world)[c.BOUNCE_THRESHOLD * c.WIDTH] = np.inf
 
 
 @compiled(cached=False)
