@@ -13,8 +13,6 @@ assumes constant arms. Smith, Kaufman, Vouga,
 Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 
-import numpy as np
-
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.restitution import slowest_bounce, strikes
@@ -41,29 +39,34 @@ NO_MORE = 1.001
 def bounce_islands(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts in islands within the substep."""
     for island in range(direct_islands(world)):
-        for _ in range(_ROUNDS):
-            if not _find_hits(island, h, world):
-                break
-            note_velocities(island, world)
-            most = NO_MORE * energy_after_impact(island, kinetic_energy(island, MOTION, world), world)
-            solve_at_once(island, h, RELAX, BOUNCE, world)
-            if kinetic_energy(island, MOTION, world) > most:  # no solution: nothing bounces
-                take_back_velocities(island, world)
-                _stop_hits(island, world)
-                break
-            note_velocities(island, world)  # friction without a solution is left out
-            if not solve_at_once(island, h, RELAX, RUB, world) or kinetic_energy(island, MOTION, world) > most:
-                take_back_velocities(island, world)
-        else:
-            _stop_hits(island, world)
+        if not _resolve_impacts(island, h, world):
+            _leave_impacts(island, world)
 
 
 @compiled(cached=False)
-def _stop_hits(island: int, world: int) -> None:
-    """Leave the points of an island that hit to the solution after the drift, which otherwise waits for their bounce."""
+def _resolve_impacts(island: int, h: float, world: int) -> bool:
+    """Resolve the impacts of an island in rounds; return whether no point hits any more."""
+    for _ in range(_ROUNDS):
+        if not _find_hits(island, h, world):
+            return True
+        note_velocities(island, world)
+        most = NO_MORE * energy_after_impact(island, kinetic_energy(island, MOTION, world), world)
+        solve_at_once(island, h, RELAX, BOUNCE, world)
+        if kinetic_energy(island, MOTION, world) > most:  # no solution: nothing bounces
+            take_back_velocities(island, world)
+            break
+        note_velocities(island, world)  # friction without a solution is left out
+        if not solve_at_once(island, h, RELAX, RUB, world) or kinetic_energy(island, MOTION, world) > most:
+            take_back_velocities(island, world)
+    return False
+
+
+@compiled(cached=False)
+def _leave_impacts(island: int, world: int) -> None:
+    """Let the solution of the substep stop all points of an island, and not only those too slow to bounce in the next one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        constraint(order[k, 0], world)[c.BOUNCE_THRESHOLD * c.WIDTH] = np.inf
+        constraint(order[k, 0], world)[c.BOUNCE_THRESHOLD * c.WIDTH] = 1e300
 
 
 @compiled(cached=False)

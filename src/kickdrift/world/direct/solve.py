@@ -52,7 +52,7 @@ FAR, EXCESS = 1e-3, 1.5
 
 # Ratio to which heaps and fast rotating islands may increase their energy after the drift. Of sixty spinning chains of random
 # rods 46 gain more than a tenth with 1.02, and six with 1.001. Of 200 chains of three boxes thrown at a wall at 50 m/s, 9 gain
-# more than a hundredth if those that touch may gain EXCESS, one up to 2.4 times its energy, and 1 does with 1.001.
+# more than a hundredth if those that touch may gain EXCESS, one up to 2.4 times its energy, and 2 do with 1.001.
 KEPT = 1.001
 
 # Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.
