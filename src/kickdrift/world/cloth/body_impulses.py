@@ -1,8 +1,8 @@
-"""Impulses of cloths on bodies."""
+"""Impulses of cloths on bodies; in a planar world they move in its plane only."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, product, times
-from kickdrift.world.columns import quaternion_at, symmetric_at
+from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, minus, product, times
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     DISPLACEMENT,
@@ -13,7 +13,8 @@ from kickdrift.world.layout import (
     ROTATION,
     VELOCITY,
 )
-from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, floats
+from kickdrift.world.settings import PLANE_NORMAL
+from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, SETTINGS, floats
 
 
 @compiled(inline=True)
@@ -21,7 +22,8 @@ def mutual_response(world: int, body: int, arm: Vector, other_arm: Vector, n: Ve
     """Return the change of velocity of a point of a body along n by a unit impulse along n at another one, 1/kg."""
     inverse = floats(world, INVERSE_MASS)
     turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(other_arm, n))
-    response: float = inverse[body, INVERSE_LINEAR_MASS] + dot(cross(arm, n), turn)
+    way = _within_plane(world, n)
+    response: float = inverse[body, INVERSE_LINEAR_MASS] * dot(way, way) + dot(cross(arm, n), turn)
     return response
 
 
@@ -41,6 +43,7 @@ def move_on(world: int, body: int, shift: Vector, turn: Vector, left: float) -> 
     The body has drifted through the substep already. If the changes acted on its pose in the next substep only, a load on
     a spring of cloth would gain energy: a lag of h / 2 is a negative damping.
     """
+    shift = _within_plane(world, shift)
     motion, pose, delta = floats(world, MOTION), floats(world, POSE), floats(world, DELTA_POSE)
     for k in range(3):
         motion[body, VELOCITY + k] += shift[k]
@@ -51,3 +54,10 @@ def move_on(world: int, body: int, shift: Vector, turn: Vector, left: float) -> 
     q = product(exponential(times(left, turn)), quaternion_at(pose, body, ORIENTATION))
     for k in range(4):
         pose[body, ORIENTATION + k] = q[k]
+
+
+@compiled(inline=True)
+def _within_plane(world: int, v: Vector) -> Vector:
+    """Return the part of a vector along the plane of a planar world; otherwise its normal is zero, and this is the vector."""
+    n = vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
+    return minus(v, times(dot(n, v), n))
