@@ -141,3 +141,34 @@ def test_energy_does_not_grow_where_a_ball_hits_triangles():
         world.step(STEP)
         most = max(most, world.energy().total)
     assert most < start + 0.01 * 0.3 * 9.81 * 0.5
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.06])
+def test_momentum_where_a_ball_hits_triangles_whose_corners_are_pinned_to_another_body(gap):
+    """With no gap the sheet touches the body to which it is pinned as well."""
+    world = kd.World(gravity=(0, 0, 0))
+    beam = world.add_box((1.0, 0.1, 0.1), position=(0, 0.5 + gap, 0), mass=1.0)
+    sheet = world.add_cloth_grid((1.0, 1.0), (4, 4))
+    sheet.pin(np.flatnonzero(sheet.position[:, 1] > 0.49), beam)
+    ball = world.add_sphere(0.05, position=(0.05, 0.42, 0.3), velocity=(0, 0, -3.0), mass=0.5)
+    momentum, spin, energy = world.momentum(), world.angular_momentum(), world.energy().total
+    for _ in range(60):
+        world.step(STEP)
+        assert world.energy().total < 1.001 * energy
+    assert ball.velocity[2] > -1.5
+    assert np.abs(world.momentum() - momentum).max() < 1e-12
+    assert np.abs(world.angular_momentum() - spin).max() < 0.02 * np.linalg.norm(spin)
+
+
+@pytest.mark.parametrize("pinned", [False, True])
+def test_bodies_of_a_planar_world_stay_in_its_plane_where_sheets_push_or_pull_them(pinned):
+    world = kd.World(plane_normal=(0, 1, 0))
+    sheet = world.add_cloth_grid((1.0, 1.0), (5, 5), position=(0, 0, 0.5))
+    sheet.pin([0, 4, 20, 24])
+    ball = world.add_sphere(0.1, position=(0.03, 0.02, 0.61), mass=1.0)
+    if pinned:
+        sheet.pin([13], ball)
+    world.advance(STEP, 20)
+    assert ball.position[2] < 0.6
+    assert ball.position[1] == pytest.approx(0.02, abs=1e-15)
+    assert ball.velocity[1] == 0.0

@@ -3,9 +3,11 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, length, minus, plus, product, times
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
+from kickdrift.world.cloth.body_impulses import mutual_response, push_body
 from kickdrift.world.cloth.contact_lanes import resolve_lanes
 from kickdrift.world.cloth.contact_rows import add_shares, shares_of
+from kickdrift.world.cloth.held_corners import corner_velocity, is_held, push_holders, response_with_holders
 from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_NORMAL,
@@ -19,33 +21,22 @@ from kickdrift.world.cloth.layout import (
     OTHER_PARTICLE,
     PARTICLE_VELOCITY,
     SHARED_PARTS,
+    SHARES,
     TOUCHED_BODY,
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.cloth.tilting import resist_tilting
-from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
-    DISPLACEMENT,
-    INVERSE_INERTIA_IN_WORLD,
-    INVERSE_LINEAR_MASS,
-    ORIENTATION,
-    POSITION,
-    ROTATION,
-    VELOCITY,
-)
+from kickdrift.world.layout import ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
     CLOTH_SEARCH,
-    DELTA_POSE,
-    INVERSE_MASS,
     MOTION,
     PARTICLE,
-    POSE,
     floats,
     integers,
 )
@@ -107,7 +98,7 @@ def _iterate(world: int, first: int, last: int, part: float, left: float) -> Non
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
-            resist_tilting(world, row, h)
+            resist_tilting(world, row, h, left)
         row = _after(contact, row)
 
 
@@ -121,7 +112,7 @@ def _begin(world: int, row: int, most: float, left: float) -> None:
     particle, gap, n = floats(world, PARTICLE), numbers[row, CLOTH_GAP], vector_at(numbers, row, CLOTH_NORMAL)
     if gap >= 0.0 and numbers[row, CONTACT_IMPULSE] == 0.0:
         return
-    corners, _, by, inverse_mass = shares_of(world, row)
+    corners, share, by, inverse_mass = shares_of(world, row)
     if gap < 0.0:
         out = min(-gap, most * inverse_mass / max(by[0], by[1], by[2]))
         numbers[row, CLOTH_GAP] = gap + out
@@ -130,35 +121,34 @@ def _begin(world: int, row: int, most: float, left: float) -> None:
     add_shares(particle, corners, PARTICLE_VELOCITY, by, impulse)
     if contact[row, MOVES_BODY] != 0:
         body, arm = contact[row, TOUCHED_BODY], vector_at(numbers, row, TOUCHED_POINT)
-        _push_body(world, body, arm, times(-1.0, impulse), left)
+        push_body(world, body, arm, times(-1.0, impulse), left)
+    push_holders(world, row, share, impulse, left)
 
 
 @compiled
 def _velocity(world: int, row: int) -> Vector:
     """Return the velocity of a point relative to the surface that it touches."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    particle, motion, body = floats(world, PARTICLE), floats(world, MOTION), contact[row, TOUCHED_BODY]
-    (i, j, k), share, _, _ = shares_of(world, row)
+    motion, body, share = floats(world, MOTION), contact[row, TOUCHED_BODY], vector_at(numbers, row, SHARES)
     ground = vector_at(numbers, row, GROUND_VELOCITY)
     if contact[row, MOVES_BODY] != 0:
         turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), vector_at(numbers, row, TOUCHED_POINT))
         ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
-    v = minus(times(share[0], vector_at(particle, i, PARTICLE_VELOCITY)), ground)
-    v = plus(v, times(share[1], vector_at(particle, j, PARTICLE_VELOCITY)))
-    return plus(v, times(share[2], vector_at(particle, k, PARTICLE_VELOCITY)))
+    v = minus(times(share[0], corner_velocity(world, row, 0)), ground)
+    v = plus(v, times(share[1], corner_velocity(world, row, 1)))
+    return plus(v, times(share[2], corner_velocity(world, row, 2)))
 
 
 @compiled
 def _resolve(world: int, row: int, part: float, left: float) -> float:
     """Change the impulse of a contact so that it obeys the laws of contact and friction; return the change of speed, m/s."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    corners, _, by, inverse_mass = shares_of(world, row)
-    body, moves = contact[row, TOUCHED_BODY], contact[row, MOVES_BODY] != 0
+    corners, share, by, inverse_mass = shares_of(world, row)
     n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
     v = _velocity(world, row)
     approach, wanted = dot(n, v), -max(numbers[row, CLOTH_GAP], 0.0) / part
     before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
-    now = before + (wanted - approach) / (inverse_mass + (_response(world, body, arm, n) if moves else 0.0))
+    now = before + (wanted - approach) / (inverse_mass + _response(world, row, n))
     now = max(now, 0.0)
     if now == 0.0 and before == 0.0:
         return 0.0
@@ -166,7 +156,7 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
     speed, friction = length(slip), sliding
     if speed > 0.0:
         along = times(1.0 / speed, slip)
-        stop = 1.0 / (inverse_mass + (_response(world, body, arm, along) if moves else 0.0))
+        stop = 1.0 / (inverse_mass + _response(world, row, along))
         friction = minus(sliding, times(stop, slip))
     size, most = length(friction), numbers[row, CONTACT_FRICTION] * now
     if size > most:
@@ -176,8 +166,9 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
     for k in range(3):
         numbers[row, CONTACT_IMPULSE + 1 + k] = friction[k]
     add_shares(floats(world, PARTICLE), corners, PARTICLE_VELOCITY, by, impulse)
-    if moves:
-        _push_body(world, body, arm, times(-1.0, impulse), left)
+    if contact[row, MOVES_BODY] != 0:
+        push_body(world, contact[row, TOUCHED_BODY], arm, times(-1.0, impulse), left)
+    push_holders(world, row, share, impulse, left)
     return inverse_mass * length(impulse)
 
 
@@ -189,39 +180,12 @@ def _advance_gap(world: int, row: int, part: float) -> None:
     numbers[row, CLOTH_GAP] += part * approach
 
 
-@compiled(inline=True)
-def _response(world: int, body: int, arm: Vector, n: Vector) -> float:
-    """Return the change of velocity of a point of a body along n by a unit impulse along n, 1/kg."""
-    inverse = floats(world, INVERSE_MASS)
-    lever = cross(arm, n)
-    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), lever)
-    response: float = inverse[body, INVERSE_LINEAR_MASS] + dot(lever, turn)
-    return response
-
-
 @compiled
-def _push_body(world: int, body: int, arm: Vector, impulse: Vector, left: float) -> None:
-    """Apply an impulse to a body at a point, `arm` from its centre of mass."""
-    inverse = floats(world, INVERSE_MASS)
-    shift = times(inverse[body, INVERSE_LINEAR_MASS], impulse)
-    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
-    move_on(world, body, shift, turn, left)
-
-
-@compiled
-def move_on(world: int, body: int, shift: Vector, turn: Vector, left: float) -> None:
-    """Add to the velocity and the angular velocity of a body, and move it with these for the time `left`, s.
-
-    The body has drifted through the substep already. If the changes acted on its pose in the next substep only, a load on
-    a spring of cloth would gain energy: a lag of h / 2 is a negative damping.
-    """
-    motion, pose, delta = floats(world, MOTION), floats(world, POSE), floats(world, DELTA_POSE)
-    for k in range(3):
-        motion[body, VELOCITY + k] += shift[k]
-        motion[body, ANGULAR_VELOCITY + k] += turn[k]
-        pose[body, POSITION + k] += left * shift[k]
-        delta[body, DISPLACEMENT + k] += left * shift[k]
-        delta[body, ROTATION + k] += left * turn[k]
-    q = product(exponential(times(left, turn)), quaternion_at(pose, body, ORIENTATION))
-    for k in range(4):
-        pose[body, ORIENTATION + k] = q[k]
+def _response(world: int, row: int, n: Vector) -> float:
+    """Return by how much faster bodies let a point and what it touches part along n, for a unit impulse along n, 1/kg."""
+    contact, arm = integers(world, CLOTH_CONTACT), vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, TOUCHED_POINT)
+    if is_held(world, row):
+        return float(response_with_holders(world, row, n))
+    return (
+        float(mutual_response(world, contact[row, TOUCHED_BODY], arm, arm, n)) if contact[row, MOVES_BODY] != 0 else 0.0
+    )

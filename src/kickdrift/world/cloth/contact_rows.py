@@ -5,6 +5,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, exponential, minus, plus, product, times, turned
+from kickdrift.world.cloth.held_corners import Corners, pin_of
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_GAP,
@@ -13,6 +14,7 @@ from kickdrift.world.cloth.layout import (
     CONTACT_IMPULSE,
     CONTACT_RADIUS,
     GROUND_VELOCITY,
+    HELD_BY,
     MOVES_BODY,
     OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
@@ -64,7 +66,6 @@ from kickdrift.world.tables import (
 
 Pose = tuple[Vector, Quaternion]
 Touch = tuple[Vector, float, Vector]
-Corners = tuple[int, int, int]
 
 AT_FIRST: Vector = (1.0, 0.0, 0.0)  # barycentric coordinates of a particle alone
 
@@ -113,6 +114,8 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     i, j, k = corners
     contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE] = corners
     contact[row, TOUCHED_BODY] = body
+    for m in range(3):
+        contact[row, HELD_BY + m] = pin_of(world, cloth, corners[m])
     contact[row, MOVES_BODY] = int(_moves(world, i, body) or _moves(world, j, body) or _moves(world, k, body))
     arm = minus(point, _start_of_body(world, body, h))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))

@@ -11,7 +11,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.cloth.ball_contact import touch_of_ball
-from kickdrift.world.cloth.contact_rows import Corners, Pose, Touch, note_contact, start_pose, velocity_at
+from kickdrift.world.cloth.contact_rows import Pose, Touch, note_contact, start_pose, velocity_at
+from kickdrift.world.cloth.held_corners import Corners, is_pinned_to
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     CORNERS,
@@ -104,10 +105,13 @@ def _touch(
     margin: float,
     h: float,
 ) -> bool:
-    """Add the contacts of a triangle with a solid; False if there is no room.
+    """Add the contacts of a triangle with a solid, except with a body to which it is pinned; False if there is no room.
 
-    The front of the triangle is the side from which the shape comes closest to the point that is nearest to its middle.
+    The front of the triangle is the side from which the shape comes closest to the point that is nearest to its middle. Pins
+    may lie inside their body, where contacts would push against them forever.
     """
+    if is_pinned_to(world, cloth, particles, integers(world, SHAPE)[shape, BODY_ROW]):
+        return True
     half, (u, v, w) = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS], corners
     near = barycentric(start[0], u, v, w)
     p = plus(plus(times(near[0], u), times(near[1], v)), times(near[2], w))

@@ -6,28 +6,21 @@ conserved.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times, turned
-from kickdrift.world.cloth.contact_impulses import move_on
+from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
+from kickdrift.world.cloth.body_impulses import move_on
+from kickdrift.world.cloth.held_corners import arm_of_pin
 from kickdrift.world.cloth.layout import (
     FIRST_PIN,
     LAST_PIN,
     PARTICLE_MASS,
     PARTICLE_VELOCITY,
-    PIN_POSITION,
     PINNED_BODY,
     PINNED_PARTICLE,
 )
 from kickdrift.world.cloth.particle_lanes import force_on
-from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
-    INVERSE_INERTIA_IN_WORLD,
-    INVERSE_LINEAR_MASS,
-    ORIENTATION,
-    POSITION,
-    VELOCITY,
-)
-from kickdrift.world.tables import CLOTH, INVERSE_MASS, MOTION, PARTICLE, PIN, PIN_NUMBERS, POSE, floats, integers
+from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, POSITION, VELOCITY
+from kickdrift.world.tables import CLOTH, INVERSE_MASS, MOTION, PARTICLE, PIN, POSE, floats, integers
 
 
 @compiled
@@ -57,7 +50,7 @@ def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, lef
     mass, lever, momentum, spin = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # sum m r r^T
     for k in range(first, last):
-        i, r = pin[k, PINNED_PARTICLE], _arm(world, k)
+        i, r = pin[k, PINNED_PARTICLE], arm_of_pin(world, k)
         m = particle[i, PARTICLE_MASS]
         v = plus(plus(vector_at(particle, i, PARTICLE_VELOCITY), fall), times(part / m, force_on(world, i)))
         momentum, spin = plus(momentum, times(m, v)), plus(spin, times(m, cross(r, v)))
@@ -83,7 +76,7 @@ def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, lef
     else:
         shift, turn = u, w
     for k in range(first, last):
-        v = plus(shift, cross(turn, _arm(world, k)))
+        v = plus(shift, cross(turn, arm_of_pin(world, k)))
         for j in range(3):
             particle[pin[k, PINNED_PARTICLE], PARTICLE_VELOCITY + j] = v[j]
     move_on(world, body, minus(shift, u), minus(turn, w), left)
@@ -110,14 +103,7 @@ def carry_pins(world: int, cloth: int, part: float, left: float) -> None:
     )
     for k in range(own[cloth, FIRST_PIN], own[cloth, LAST_PIN]):
         i = pin[k, PINNED_PARTICLE]
-        goal = plus(vector_at(pose, pin[k, PINNED_BODY], POSITION), _arm(world, k))
+        goal = plus(vector_at(pose, pin[k, PINNED_BODY], POSITION), arm_of_pin(world, k))
         way = minus(goal, vector_at(particle, i, 0))
         for j in range(3):
             particle[i, j] += part * (way[j] / left - particle[i, PARTICLE_VELOCITY + j])
-
-
-@compiled(inline=True)
-def _arm(world: int, k: int) -> Vector:
-    """Return the vector from the centre of mass of the body to a pin, m."""
-    q = quaternion_at(floats(world, POSE), integers(world, PIN)[k, PINNED_BODY], ORIENTATION)
-    return turned(q, vector_at(floats(world, PIN_NUMBERS), k, PIN_POSITION))

@@ -10,6 +10,7 @@ sheet trembled with 8 m/s. As in the linearly implicit Euler method, the force a
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.contact_rows import add_shares
+from kickdrift.world.cloth.held_corners import corner_velocity, holder_response, push_holders
 from kickdrift.world.cloth.layout import (
     CLOTH_NORMAL,
     CONTACT_IMPULSE,
@@ -29,8 +30,10 @@ _STIFFER = 4.0
 
 
 @compiled
-def resist_tilting(world: int, row: int, h: float) -> None:
+def resist_tilting(world: int, row: int, h: float, left: float) -> None:
     """Apply the torque of a contact for the substep h, s, after its impulse is known; only those of triangles have one.
+
+    Bodies move with their changes of velocity for the time `left` in the substep, s.
 
     In the plane of the triangle, with the gradients g of the barycentric coordinates, the rate of tilting is
     w = sum g (n . v), and a torque T, impulses g . T of the corners, changes it by A T with A = sum g g / m. So T is
@@ -56,16 +59,18 @@ def resist_tilting(world: int, row: int, h: float) -> None:
     for k in range(3):
         gradient = second if k == 1 else third if k == 2 else times(-1.0, plus(second, third))
         g, f = dot(gradient, x), dot(gradient, y)
-        speed = dot(n, vector_at(particle, corners[k], PARTICLE_VELOCITY))
-        over_mass = particle[corners[k], PARTICLE_INVERSE_MASS]
+        speed = dot(n, corner_velocity(world, row, k))
+        over_mass = particle[corners[k], PARTICLE_INVERSE_MASS] + holder_response(world, row, k, n)
         xx, yy, xy = xx + c * over_mass * g * g, yy + c * over_mass * f * f, xy + c * over_mass * g * f
         tilt_x, tilt_y = tilt_x + g * speed, tilt_y + f * speed
     scale = -c / (xx * yy - xy * xy)
     torque = plus(times(scale * (yy * tilt_x - xy * tilt_y), x), times(scale * (xx * tilt_y - xy * tilt_x), y))
     to_second, to_third = dot(second, torque), dot(third, torque)
+    impulses = (-(to_second + to_third), to_second, to_third)
     by = (
-        -(to_second + to_third) * particle[corners[0], PARTICLE_INVERSE_MASS],
-        to_second * particle[corners[1], PARTICLE_INVERSE_MASS],
-        to_third * particle[corners[2], PARTICLE_INVERSE_MASS],
+        impulses[0] * particle[corners[0], PARTICLE_INVERSE_MASS],
+        impulses[1] * particle[corners[1], PARTICLE_INVERSE_MASS],
+        impulses[2] * particle[corners[2], PARTICLE_INVERSE_MASS],
     )
     add_shares(particle, corners, PARTICLE_VELOCITY, by, n)
+    push_holders(world, row, impulses, n, left)
