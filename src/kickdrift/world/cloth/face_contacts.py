@@ -27,7 +27,7 @@ from kickdrift.world.collision.narrow_phase import collide, radius
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
 from kickdrift.world.layout import ANGULAR_VELOCITY, BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE, VELOCITY
-from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.kinds import CYLINDER, TRIANGLE
 from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, put_facing
 from kickdrift.world.tables import (
@@ -50,6 +50,7 @@ _MANIFOLD = MANIFOLD.width
 _CORNER = 1e-6  # of the share of a corner: a point closer to it touches with the vertex there
 _LEVER = 0.05  # share of pinned corners from which on the others would have to move 20 times as far as the point
 _EDGE_ON = 0.1  # cosine of the angle between triangle and shape below which its corners touch first
+_SIDEWAYS = 1e-6  # cosine between a normal and the axis of a cylinder, with rounding errors
 _FLAT = 1.0 - 1e-12  # cosine between the normals of one face, with rounding errors
 
 Triangle = tuple[Vector, Vector, Vector]
@@ -59,8 +60,8 @@ Triangle = tuple[Vector, Vector, Vector]
 def find_faces(world: int, cloth: int, shape: int, h: float) -> bool:
     """Find triangles of a cloth that may touch a solid within a time h, s, between their corners; False if there is no room.
 
-    A ball of radius R reaches between the corners of a triangle by less than s^2 / 2 R, where s is the distance of a corner
-    from the middle. Where that is below the thickness, corners alone touch round shapes.
+    A round side of radius R reaches between the corners of a triangle by less than s^2 / 2 R, where s is the distance of a
+    corner from the middle. Where that is below the thickness, corners alone touch it.
     """
     if sort_of(world, shape) != SOLID:
         return True
@@ -73,7 +74,7 @@ def find_faces(world: int, cloth: int, shape: int, h: float) -> bool:
     start = start_pose(world, shape, h)
     speed = length(vector_at(motion, body, VELOCITY)) + length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
     half = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
-    covered = 4.0 * half * radius(world, shape)
+    covered = _covered(radius(world, shape), half)
     for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
         i, j, k = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
         corners = (vector_at(particle, i, 0), vector_at(particle, j, 0), vector_at(particle, k, 0))
@@ -119,6 +120,8 @@ def _touch(
     across = cross(minus(v, u), minus(w, u))
     if not touches or abs(dot(normal, across)) <= _EDGE_ON * length(across):
         return True
+    if size * size <= _covered(_radius_of_side(world, shape, start, normal), half):
+        return True
     if _is_above_face(world, shape, start, corners, normal, half, margin + 4.0 * size):
         return True
     shapes, (at, q) = integers(world, SHAPE), start
@@ -141,6 +144,22 @@ def _touch(
         ):
             fits = fits and note_contact(world, cloth, shape, particles, shares, touch, h)
     return fits
+
+
+@compiled(inline=True)
+def _covered(around: float, half: float) -> float:
+    """Return the square of the size of triangles whose corners alone touch a round side, m^2."""
+    return 4.0 * around * half
+
+
+@compiled(inline=True)
+def _radius_of_side(world: int, shape: int, start: Pose, normal: Vector) -> float:
+    """Return the radius of a cylinder where a normal points away from its side, m; otherwise zero."""
+    own = integers(world, SHAPE)
+    if own[shape, SHAPE_KIND] != CYLINDER or abs(dot(normal, turned(start[1], (0.0, 0.0, 1.0)))) > _SIDEWAYS:
+        return 0.0
+    side: float = flat(world, GEOMETRY)[own[shape, BEGIN]]
+    return side
 
 
 @compiled
