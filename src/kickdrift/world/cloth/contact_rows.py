@@ -110,21 +110,22 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
         return False
     set_rows(world, CLOTH_CONTACT, row + 1)
     contact, numbers, place = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PLACE)
-    body, pose = integers(world, SHAPE)[shape, BODY_ROW], floats(world, POSE)
-    i, j, k = corners
+    shapes, pose = integers(world, SHAPE), floats(world, POSE)
+    body = shapes[shape, BODY_ROW]
     contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE] = corners
     contact[row, TOUCHED_BODY] = body
-    for m in range(3):
-        contact[row, HELD_BY + m] = pin_of(world, cloth, corners[m])
-    contact[row, MOVES_BODY] = int(_moves(world, i, body) or _moves(world, j, body) or _moves(world, k, body))
+    moves = False
+    for k in range(3):
+        contact[row, HELD_BY + k] = pin_of(world, cloth, corners[k])
+        moves = moves or _moves(world, corners[k], body)
+    contact[row, MOVES_BODY] = int(moves)
     arm = minus(point, _start_of_body(world, body, h))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
-    if contact[row, MOVES_BODY] == 0:
+    if not moves:
         runs = plus(runs, velocity_at(world, shape, point, h))
     numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
-    own = integers(world, SHAPE)
-    numbers[row, CONTACT_RADIUS] = flat(world, GEOMETRY)[own[shape, BEGIN]] if is_round(world, shape) else 0.0
+    numbers[row, CONTACT_RADIUS] = flat(world, GEOMETRY)[shapes[shape, BEGIN]] if is_round(world, shape) else 0.0
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
