@@ -4,7 +4,19 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, cross, dot, exponential, minus, plus, product, times, turned
+from kickdrift.core.vectors import (
+    Quaternion,
+    Vector,
+    cross,
+    dot,
+    exponential,
+    length,
+    minus,
+    plus,
+    product,
+    times,
+    turned,
+)
 from kickdrift.world.cloth.held_corners import Corners, pin_of
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
@@ -39,6 +51,7 @@ from kickdrift.world.layout import (
     PLACE_ORIENTATION,
     PLACE_POSITION,
     POSITION,
+    RADIUS,
     SURFACE_VELOCITY,
     VELOCITY,
 )
@@ -86,6 +99,15 @@ def start_pose(world: int, shape: int, h: float) -> Pose:
 def _start_of_body(world: int, body: int, h: float) -> Vector:
     v = vector_at(floats(world, MOTION), body, VELOCITY)
     return minus(vector_at(floats(world, POSE), body, POSITION), times(h, v))
+
+
+@compiled
+def largest_speed(world: int, shape: int) -> float:
+    """Return a bound on the speed of all points of a shape, m/s."""
+    motion, body = floats(world, MOTION), integers(world, SHAPE)[shape, BODY_ROW]
+    spin = length(vector_at(motion, body, ANGULAR_VELOCITY))
+    bound: float = length(vector_at(motion, body, VELOCITY)) + spin * floats(world, PLACE)[shape, RADIUS]
+    return bound
 
 
 @compiled(inline=True)

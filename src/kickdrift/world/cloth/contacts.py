@@ -8,7 +8,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, length, minus, turned
 from kickdrift.world.cloth.ball_contact import touch_of_ball
-from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, note_contact, start_pose
+from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, largest_speed, note_contact, start_pose
 from kickdrift.world.cloth.face_contacts import find_faces
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
@@ -32,7 +32,7 @@ from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.overlap_query import find_near, find_triangles
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_ROW, IS_SENSOR, MASK, RADIUS, VELOCITY
+from kickdrift.world.layout import IS_SENSOR, MASK, RADIUS
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
@@ -40,8 +40,6 @@ from kickdrift.world.tables import (
     CLOTH_CONTACT,
     CLOTH_NEAR,
     CLOTH_NUMBERS,
-    MANIFOLD,
-    MOTION,
     PARTICLE,
     PLACE,
     SHAPE,
@@ -54,7 +52,6 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_MANIFOLD = MANIFOLD.width
 _LAYER = 1  # bit of layer 0, in which all cloths are
 
 
@@ -128,13 +125,9 @@ def _box(world: int, cloth: int, h: float) -> Box:
 @compiled
 def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> bool:
     """Find the particles of a cloth that may touch a shape; False if there is no room for them."""
-    own, particle, place = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PLACE)
-    body, motion = integers(world, SHAPE)[shape, BODY_ROW], floats(world, MOTION)
-    start = start_pose(world, shape, h)
+    own, particle, around = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PLACE)[shape, RADIUS]
+    start, speed, sort = start_pose(world, shape, h), largest_speed(world, shape), sort_of(world, shape)
     at, q = start
-    speed = length(vector_at(motion, body, VELOCITY))
-    around, sort = place[shape, RADIUS], sort_of(world, shape)
-    speed += length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
     up, radius = turned(q, (0.0, 0.0, 1.0)), floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         if particle[i, PARTICLE_INVERSE_MASS] == 0.0:

@@ -11,7 +11,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.cloth.ball_contact import touch_of_ball
-from kickdrift.world.cloth.contact_rows import Pose, Touch, note_contact, start_pose, velocity_at
+from kickdrift.world.cloth.contact_rows import Pose, Touch, largest_speed, note_contact, start_pose, velocity_at
 from kickdrift.world.cloth.held_corners import Corners, is_pinned_to
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
@@ -26,7 +26,7 @@ from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, radius
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
-from kickdrift.world.layout import ANGULAR_VELOCITY, BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE, VELOCITY
+from kickdrift.world.layout import BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import CYLINDER, TRIANGLE
 from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, put_facing
@@ -37,7 +37,6 @@ from kickdrift.world.tables import (
     FACE,
     GEOMETRY,
     MANIFOLD,
-    MOTION,
     PARTICLE,
     PLACE,
     SHAPE,
@@ -66,13 +65,7 @@ def find_faces(world: int, cloth: int, shape: int, h: float) -> bool:
     if sort_of(world, shape) != SOLID:
         return True
     own, face, particle = integers(world, CLOTH), integers(world, FACE), floats(world, PARTICLE)
-    body, around, motion = (
-        integers(world, SHAPE)[shape, BODY_ROW],
-        floats(world, PLACE)[shape, RADIUS],
-        floats(world, MOTION),
-    )
-    start = start_pose(world, shape, h)
-    speed = length(vector_at(motion, body, VELOCITY)) + length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
+    around, start, speed = floats(world, PLACE)[shape, RADIUS], start_pose(world, shape, h), largest_speed(world, shape)
     half = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     covered = _covered(radius(world, shape), half)
     for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):

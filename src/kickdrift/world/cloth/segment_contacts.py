@@ -23,7 +23,7 @@ from kickdrift.core.vectors import (
     turned_back,
     unit,
 )
-from kickdrift.world.cloth.contact_rows import Pose, note_contact, start_pose
+from kickdrift.world.cloth.contact_rows import Pose, largest_speed, note_contact, start_pose
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     FIRST_PARTICLE,
@@ -36,7 +36,7 @@ from kickdrift.world.collision.narrow_phase import collide
 from kickdrift.world.collision.overlap_query import find_triangles
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
-from kickdrift.world.layout import ANGULAR_VELOCITY, BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE, VELOCITY
+from kickdrift.world.layout import BEGIN, RADIUS, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import CAPSULE, TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
@@ -47,7 +47,6 @@ from kickdrift.world.tables import (
     COLLIDERS,
     GEOMETRY,
     MANIFOLD,
-    MOTION,
     PARTICLE,
     PLACE,
     SHAPE,
@@ -64,16 +63,11 @@ _LEVER = 0.05  # likewise to a pinned end, beside which the other one would have
 @compiled
 def find_segments(world: int, cloth: int, shape: int, h: float, after: int) -> bool:
     """Find segments of a rope that may touch a shape within a time h, s, between their ends; False if there is no room."""
-    own, particle, motion = integers(world, CLOTH), floats(world, PARTICLE), floats(world, MOTION)
-    body, around, sort = (
-        integers(world, SHAPE)[shape, BODY_ROW],
-        floats(world, PLACE)[shape, RADIUS],
-        sort_of(world, shape),
-    )
+    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
+    around, sort = floats(world, PLACE)[shape, RADIUS], sort_of(world, shape)
     if sort == HALF_SPACE:
         return True  # ends are the lowest points
-    start = start_pose(world, shape, h)
-    speed = length(vector_at(motion, body, VELOCITY)) + length(vector_at(motion, body, ANGULAR_VELOCITY)) * around
+    start, speed = start_pose(world, shape, h), largest_speed(world, shape)
     radius = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE] - 1):
         if particle[i, PARTICLE_INVERSE_MASS] == 0.0 and particle[i + 1, PARTICLE_INVERSE_MASS] == 0.0:

@@ -7,7 +7,14 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts.layout import SOLVE_EQUATIONS
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
-from kickdrift.world.direct.contacts import BOUNCE, PRESS, RUB, bounds_hold, fix_contacts, update_contact_states
+from kickdrift.world.direct.contacts import (
+    BOUNCE,
+    BOUNCE_FRICTION,
+    PRESS,
+    bounds_hold,
+    fix_contacts,
+    update_contact_states,
+)
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
@@ -45,9 +52,9 @@ BY_LAWS, AS_ASSUMED, FOR_VELOCITIES = 0, 1, 2
 # heap take 1.7 times as long.
 TRIALS, HEAP_TRIALS = 20, 40
 
-# The same for the friction of bounces, which are rare. Of 3600 impacts of one to six balls and boxes on linkages at once, 8 %
-# need more than 20, 1 % more than 40, and 0.3 % more than 60.
-RUB_TRIALS = 60
+# The same for the friction of bounces, which are rare. Of 3600 impacts of one to six balls and boxes on linkages at once, 2.8 %
+# need more than 20, 0.4 % more than 40, and 0.2 % more than 60, for which 200 are not enough either.
+BOUNCE_FRICTION_TRIALS = 60
 
 # After so many of them friction that the axes of a ball joint share is divided no more, which makes its law convex.
 BOUNDED = 8
@@ -87,7 +94,7 @@ def solve_island(
     h, ahead : float
         Substep, and the time for which the new velocities act: h, 0 for a projection, -1 for position changes; s.
     task : int
-        The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `RUB`.
+        The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `BOUNCE_FRICTION`.
     first : bool
         Whether the pieces of laws are assumed afresh.
     touched : bool
@@ -133,7 +140,7 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
     """
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
-    for trial in range(RUB_TRIALS if task == RUB else HEAP_TRIALS if heap else TRIALS):
+    for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else HEAP_TRIALS if heap else TRIALS):
         settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
         if settled:
             found = left == 0 or refine(island, task, touched, world) < REFINED

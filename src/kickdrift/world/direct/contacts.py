@@ -60,7 +60,7 @@ _NEAR = 0.01
 PRESS = 0
 REST = 1  # touching points do not approach
 BOUNCE = 2  # points that hit leave with the speed of restitution, without friction
-RUB = 3  # friction of a bounce, which acts on the part of the motion that restitution leaves alone
+BOUNCE_FRICTION = 3  # friction of a bounce, which acts on the part of the motion that restitution leaves alone
 
 
 @compiled(cached=False, fast=True)
@@ -133,8 +133,8 @@ def _begin_points(
             numbers[ACTIVE + k] = 0.0
         elif task >= BOUNCE:
             numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
-            numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], given if task == RUB else 0.0
-            if task == RUB and numbers[HITS + k] > 0.0:
+            numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], given if task == BOUNCE_FRICTION else 0.0
+            if task == BOUNCE_FRICTION and numbers[HITS + k] > 0.0:
                 returned = numbers[HITS + k] / (numbers[HITS + k] - speed)
         presses, lever = presses or numbers[ACTIVE + k] != 0.0, max(lever, own[at + c.LEVER * c.WIDTH])
     return presses, lever, returned
@@ -170,7 +170,7 @@ def _begin_friction(
             numbers[DIRECTION + k] = 0.0
             if bound == 0:
                 numbers[WANTED + k] = own[(c.SURFACE_SPEED + k - TANGENT) * c.WIDTH]
-            if task == RUB:
+            if task == BOUNCE_FRICTION:
                 numbers[IMPULSE + k] = 0.0
                 numbers[WANTED + k] += returned * (numbers[SPEED + k] - speed)
 
@@ -224,7 +224,7 @@ def update_contact_states(island: int, task: int, first: bool, world: int) -> bo
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
         settled = update_point_states(numbers, first) and settled
-        for bound in range(0 if task in (REST, RUB) else 3, 3):
+        for bound in range(0 if task in (REST, BOUNCE_FRICTION) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
                 settled = update_bound_states(numbers, bound, first) and settled
     return settled
@@ -234,7 +234,7 @@ def update_contact_states(island: int, task: int, first: bool, world: int) -> bo
 def bounds_hold(island: int, task: int, world: int) -> bool:
     """Bound friction by the normal impulses of the solution; return whether it was found with these bounds."""
     own, order, hold = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
-    if task not in (REST, RUB):
+    if task not in (REST, BOUNCE_FRICTION):
         return True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)

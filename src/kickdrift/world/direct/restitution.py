@@ -5,19 +5,18 @@ bounce speed get -e times their speed, together with points of the same manifold
 bodies that land flat do not turn; then the points that these push onto others, until none hits. A round is solved without
 friction first. Then friction acts on the part of the motion that restitution leaves alone, by the law of
 `kickdrift.world.contacts.simultaneous_impact`, and adds no energy; solved together with Newton's rule, it would throw a ball of
-26 mg between bodies of 600 kg at 500 m/s. Points that hit even after
-`_ROUNDS` rounds, as of a body that is thrown to and fro between others, are left to the solution of the substep, which stops
-them, as with e = 0. Points without restitution also hit in islands struck by a contact so fast that its shapes move by more
-than half of the smaller one in a substep: at its end they might have turned through each other, since the solution of a substep
-assumes constant arms. Smith, Kaufman, Vouga,
-Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
+26 mg between bodies of 600 kg at 500 m/s. Points that hit even after `_ROUNDS` rounds, as of a body that is thrown to and fro
+between others, are left to the solution of the substep, which stops them, as with e = 0. Points without restitution also hit in
+islands struck by a contact so fast that its shapes move by more than half of the smaller one in a substep: at its end they
+might have turned through each other, since the solution of a substep assumes constant arms. Smith, Kaufman, Vouga, Tamstorf,
+Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.restitution import slowest_bounce, strikes
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.contacts import BOUNCE, RUB, read_both, twelve
+from kickdrift.world.direct.contacts import BOUNCE, BOUNCE_FRICTION, read_both, twelve
 from kickdrift.world.direct.external_energy import energy_after_impact
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
@@ -56,7 +55,7 @@ def _resolve_impacts(island: int, h: float, world: int) -> bool:
             take_back_velocities(island, world)
             break
         note_velocities(island, world)  # friction without a solution is left out
-        if not solve_at_once(island, h, RELAX, RUB, world) or kinetic_energy(island, MOTION, world) > most:
+        if not solve_at_once(island, h, RELAX, BOUNCE_FRICTION, world) or kinetic_energy(island, MOTION, world) > most:
             take_back_velocities(island, world)
     return False
 
