@@ -22,6 +22,27 @@ def test_sticks_and_plates_that_land_gain_no_energy(restitution, friction):
                 assert least == pytest.approx(energy, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("kind", "sizes"), [("box", ((0.2, 0.5, 0.9),)), ("capsule", (0.1, 0.6)), ("cone", (0.3, 0.8))]
+)
+@pytest.mark.parametrize(("restitution", "friction"), [(1.0, 0.0), (0.5, 0.5)])
+def test_bodies_that_turn_by_radians_in_a_substep_gain_no_energy_when_they_land(kind, sizes, restitution, friction):
+    rng, surface = np.random.default_rng(5), {"restitution": restitution, "friction": friction}
+    for speed in (150, 300, 600, 1200):
+        world, axis = World(), rng.normal(size=3)
+        world.add_plane(**surface)
+        motion = {"position": (0, 0, 2), "angular_velocity": speed * axis / np.linalg.norm(axis)}
+        body = getattr(world, f"add_{kind}")(*sizes, **motion, **surface)
+        energy, most = world.energy().total, 0.0
+        for _ in range(12):
+            world.advance(STEP, 5)
+            most = max(most, world.energy().total)
+        assert body.position[2] > 0.0
+        assert most <= energy * (1 + 1e-3)
+        if friction == 0.0:
+            assert world.energy().total == pytest.approx(energy, rel=1e-3)
+
+
 def energy_of(world, body):
     """Energy of one body above the ground."""
     i, inertia = body.index, body.inertia

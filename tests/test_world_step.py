@@ -26,10 +26,11 @@ def stack(**options):
 def test_the_word_says_what_a_step_does():
     word = stack().word
     assert str(word) == (
-        "begin place-shapes begin-forces find-pairs find-points pass-on-impulses find-heaps colour prepare"
-        " find-bouncing begin-paths"
+        "begin place-shapes begin-forces find-pairs find-points divide-fast-rotation pass-on-impulses find-heaps"
+        " colour prepare find-bouncing begin-paths"
         " (begin-forces kick bounce warm-start solve drift relax follow-paths)*"
-        " find-missed measure-residual ask-again drop-paths finish store count-unsolved note-touching"
+        " find-missed divide-fast-rotation measure-residual ask-again drop-paths finish store count-unsolved"
+        " note-touching"
     )
 
 

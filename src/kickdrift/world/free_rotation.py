@@ -1,5 +1,7 @@
 """Rotation of a free rigid body in a substep, with w* = I^-1 (P + P') / 2, which conserves its energy: see `integration`."""
 
+import math
+
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
     Quaternion,
@@ -11,6 +13,7 @@ from kickdrift.core.vectors import (
     exponential,
     minus,
     plus,
+    product,
     times,
     turned,
     turned_back,
@@ -18,6 +21,10 @@ from kickdrift.core.vectors import (
 
 _ROUNDS = 20
 _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
+_PART = (
+    0.5  # rad: the energy is right to rounding. At 1.5 it changes by 1e-5 in a second, at 2 there may be no solution
+)
+_PARTS = 10_000  # at most, within a millisecond or two: for 1.2e6 rad/s at 60 steps per second of 4 substeps
 _MOMENTS = 1e4  # largest ratio of moments of inertia allowed for: that of a rod a hundred times as long as it is thick
 
 
@@ -41,8 +48,8 @@ def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: V
         w = plus(w, step)
         change = dot(step, step)
         # Iterated until this increment, or the next one as estimated, is below rounding, or until increments no longer
-        # shrink: a larger tolerance would let the energy drift. Where there is no solution, at turns of a radian per
-        # substep, the last iterate still conserves the momentum.
+        # shrink: a larger tolerance would let the energy drift. Where there is no solution, at turns of some two radians,
+        # the last iterate still conserves the momentum.
         size = dot(w, w)
         # The Jacobian is right to first order in h, so the next increment is about this fraction of the present one, at most.
         part = min(_MOMENTS * h * h * max(size, change), 1.0)
@@ -52,6 +59,23 @@ def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: V
             break
         error = change
     return turned(q, w)
+
+
+@compiled
+def fast_rotation(
+    h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: Vector
+) -> tuple[Quaternion, float, Vector]:
+    """Rotate a body in free flight for a time h in parts, and return its orientation before the last, its time, and w* in it.
+
+    `turn` is its angular velocity now. Contacts know of one rotation in a substep: this is for bodies that have none.
+    """
+    parts = int(min(h * math.sqrt(dot(turn, turn)) / _PART, _PARTS - 1.0)) + 1
+    part = h / parts
+    w = mean_turn(part, q, moments, spin, turn)
+    for _ in range(parts - 1):
+        q = product(exponential(times(part, w)), q)
+        w = mean_turn(part, q, moments, spin, w)
+    return q, part, w
 
 
 @compiled(inline=True)

@@ -28,7 +28,7 @@ from kickdrift.core.vectors import (
     unit,
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.free_rotation import mean_turn, turned_product
+from kickdrift.world.free_rotation import fast_rotation, mean_turn, turned_product
 from kickdrift.world.layout import (
     ADDED,
     ANGULAR_VELOCITY,
@@ -81,6 +81,7 @@ from kickdrift.world.tables import (
 )
 
 _SLOW = 1e-16  # square of the turn in a substep, rad^2, above which terms of second order exceed rounding
+_FAST = 1.0  # likewise, above which free bodies rotate in parts
 
 
 @compiled
@@ -229,9 +230,12 @@ def drift(t: float, h: float, world: int) -> None:
         if turns:
             won = minus(w, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY))
             spin = plus(vector_at(kicked, body, SPIN), turned_product(before, moments, won))
-            if body_kind[body, LINK_COUNT] == 0 and dot(won, won) > 0.0 and h * h * dot(w, w) > _SLOW:
+            alone, last = body_kind[body, LINK_COUNT] == 0, kicked[body, IMPACT_TIME]
+            now = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), spin)
+            if alone and dot(won, won) == 0.0 and last == 0.0 and h * h * dot(now, now) > _FAST:
+                before, left, w = fast_rotation(h, before, moments, spin, now)
+            elif alone and dot(won, won) > 0.0 and h * h * dot(w, w) > _SLOW:
                 # From the orientation that it had at its last impact within the substep
-                last = kicked[body, IMPACT_TIME]
                 way, left = times(last, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY)), h - last
                 before = product(exponential(way), before)
                 w = mean_turn(left, before, moments, spin, w)

@@ -60,6 +60,7 @@ from kickdrift.world.step.status import (
     DO_IN_PARTS,
     HALVINGS,
     MISSES_CONTACT,
+    MOST_HALVINGS,
     OK,
     STATUS,
     WARNING,
@@ -91,7 +92,6 @@ from kickdrift.world.tables import (
 )
 
 _TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
-_HALVINGS = 10  # of a step, at most
 
 
 @compiled
@@ -111,7 +111,7 @@ def find_missed(t: float, h: float, world: int) -> None:
         search[0, TRIES] += 1
         if status[0, STATUS] == OK:
             status[0, STATUS] = BEGIN_AGAIN
-    elif status[0, HALVINGS] < _HALVINGS:
+    elif status[0, HALVINGS] < MOST_HALVINGS:
         drop_paths(t, h, world)
         if status[0, STATUS] == OK:
             status[0, STATUS] = DO_IN_PARTS

@@ -20,6 +20,7 @@ from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.collision.warm_starting import pass_on_impulses
 from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour
+from kickdrift.world.contacts.fast_rotation import divide_fast_rotation
 from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
@@ -116,6 +117,7 @@ def word(uses: Uses) -> Word:
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
+        *when(not uses.planar, divide_fast_rotation),
         pass_on_impulses,
         *when(uses.sleeps, wake_touched),
         *when(uses.sleeps and uses.cloths, wake_cloths),
@@ -130,6 +132,7 @@ def word(uses: Uses) -> Word:
     )
     after = (
         *when(uses.bounces or uses.is_fast, find_missed),
+        *when(not uses.planar, divide_fast_rotation),
         measure_residual,
         ask_again,
         *when(uses.bounces or uses.is_fast, drop_paths),

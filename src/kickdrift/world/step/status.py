@@ -37,7 +37,9 @@ NEEDS_TIME_OF_IMPACT = 3  # shapes are so fast that the step needs the stage `fi
 NEEDS_DIRECT_SOLVER = 4  # a heap is left unsolved by the sweeps
 LOST_CLOTH = 5  # a cloth has a particle whose position or velocity is not finite
 BEGIN_AGAIN = 6  # the step now knows data that it needed at its start: roll it back, and repeat it
-DO_IN_PARTS = 7  # the step is too long for its impacts: roll it back, and halve it
+DO_IN_PARTS = 7  # the step is too long for its impacts or rotations: roll it back, and halve it
+
+MOST_HALVINGS = 10  # of a step
 
 _REQUEST = [STATUS, TABLE, ROWS_WANTED, LOST_BODY]
 

@@ -1,4 +1,4 @@
-"""Steps done in parts: a step with more impacts than its search for contacts can follow is halved as often as necessary.
+"""Steps done in parts: a step too long for its impacts or the rotation of touching bodies is halved as often as necessary.
 
 A part is a step of its own, with a search at its start. Substeps keep their length as long as a part contains a whole one;
 shorter parts are one substep each. Forces of joints are means over all parts, the residual is the largest.
