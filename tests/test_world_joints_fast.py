@@ -128,6 +128,30 @@ def test_linkages_thrown_at_a_wall_gain_no_energy(seed):
         assert world.energy().total < 1.01 * energy
 
 
+@pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")  # of energy that is lost, and said
+@pytest.mark.parametrize("seed", [28, 57, 119, 140, 170, 191])
+def test_planar_linkages_that_strike_a_wall_gain_no_energy(seed):
+    """Chains of boxes on hinges and fixed joints, at 5 to 50 m/s."""
+    rng = np.random.default_rng(seed)
+    speed, friction, count = 10 ** rng.uniform(0.7, 1.7), rng.choice([0.0, 0.3]), rng.integers(2, 7)
+    world, parent = World(gravity=(0, 0, 0), plane_normal=(0, 1, 0)), None
+    world.add_plane((-1, 0, 0), point=(3, 0, 0), restitution=1.0, friction=friction)
+    for k in range(count):
+        motion = {"velocity": (speed, 0, 0), "mass": 10 ** rng.uniform(-1, 1)}
+        at = (0.35 * k - 1, 0, 0.2 * (k % 2))
+        box = world.add_box((0.3, 0.1, 0.15), position=at, restitution=1.0, friction=friction, **motion)
+        anchor = (0.35 * k - 1.175, 0, 0.1)
+        if parent is not None and rng.random() < 0.7:
+            world.add_hinge(parent, box, anchor=anchor, axis=(0, 1, 0))
+        elif parent is not None:
+            world.add_fixed_joint(parent, box, anchor=anchor)
+        parent = box
+    energy = world.energy().total
+    for _ in range(120):
+        world.step(1 / 240)
+        assert world.energy().total < 1.01 * energy
+
+
 def linkage(seed, rate, gravity=(0, 0, 0), damping=0.0, friction=0.0, **settings):
     """A tree or chain of two to seven boxes on hinges and ball joints, whose joints turn with up to `rate`, rad/s."""
     rng, world, boxes = np.random.default_rng(seed), World(gravity, **settings), []
