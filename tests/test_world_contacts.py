@@ -1,10 +1,12 @@
 """Contacts that last: stacks, sleep, events, layers, fast bodies, bodies that come and go, and the same bits every time."""
 
+import itertools
 import math
 
 import numba
 import numpy as np
 import pytest
+import scipy.spatial.distance
 
 from kickdrift.scenes import worlds
 from kickdrift.world.constraint_error import deepest_overlap
@@ -400,6 +402,19 @@ def wall_and_ball(position, velocity, restitution=0.0):
     world.add_box((0.01, 2, 2), position=(5, 0, 0), static=True, restitution=restitution)
     world.add_sphere(0.005, position=position, velocity=velocity, restitution=restitution)
     return world
+
+
+@pytest.mark.parametrize("restitution", [0.5, 1.0])
+def test_fast_balls_that_others_turn_aside_do_not_pass_through_each_other(restitution):
+    world, rng = World((0, 0, 0)), np.random.default_rng(0)
+    surface, side, radius = {"friction": 0.0, "restitution": restitution}, 1.6, 0.03
+    for normal in ((1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)):
+        world.add_plane(normal, tuple(-0.5 * side * k for k in normal), **surface)
+    for x, y in itertools.product((np.arange(9) - 4) * side / 9, repeat=2):
+        world.add_sphere(radius, mass=1.0, position=(x, y, 0), velocity=(*rng.normal(0, 7, 2), 0), **surface)
+    for _ in range(20):
+        world.step(STEP)
+        assert scipy.spatial.distance.pdist(world.position[-81:]).min() > 1.75 * radius
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])

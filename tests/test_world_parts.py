@@ -132,7 +132,7 @@ def test_impacts_at_joints_that_have_no_end_stop_both_bodies():
     assert np.abs(heavy.velocity).max() < 0.1 * approach
 
 
-@pytest.mark.parametrize(("seed", "left"), [(11, 0), (10, 1)])
+@pytest.mark.parametrize(("seed", "left"), [(11, 0), (33, 1)])
 def test_impacts_left_in_an_attempt_that_is_done_again_are_not_said(seed, left, counts):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")

@@ -3,14 +3,15 @@
 At the end of a step it is known which bodies left their expected paths by more than the margin of the search: at the end, at
 ends of substeps, or at impacts. Where one of them may have met a shape without points of contact in the step, the step is
 repeated with a search that knows the paths of these bodies. Known paths stay known, so that each attempt knows more. Where
-paths have more corners than the search can represent, the step is halved (see `kickdrift.world.step.subdivision`), until no
-part misses a contact. A contact missed in the shortest parts causes a warning.
+paths have more corners than the search can represent, or an impact turned shapes aside from the points at which they were
+expected to touch, the step is halved (see `kickdrift.world.step.subdivision`), until no part misses a contact. A contact missed
+in the shortest parts causes a warning.
 """
 
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import length
+from kickdrift.core.vectors import cross, length, minus, turned
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.body_acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
@@ -21,17 +22,20 @@ from kickdrift.world.collision.predicted_path import (
     POSITION_ERROR,
     TURN_ERROR,
     drop_path,
+    end_error,
     note_path,
     path_error,
     turn_error,
 )
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.collision.swept_boxes import may_meet, swept_box
-from kickdrift.world.columns import vector_at
+from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
     CONTACT_STATE,
+    FAST,
+    NORMAL,
     POINTS,
     SENSOR,
     SHAPE_A,
@@ -49,11 +53,12 @@ from kickdrift.world.layout import (
     LAST_TREE_NODE,
     LOWER,
     PLACE_POSITION,
+    PLACED_ORIENTATION,
     RADIUS,
     UPPER,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
-from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
 from kickdrift.world.step.status import (
     BEGIN_AGAIN,
@@ -71,8 +76,10 @@ from kickdrift.world.tables import (
     BOUNDS,
     CONTACT,
     GEOMETRY,
+    MANIFOLD,
     MOVERS,
     PLACE,
+    PLACED,
     PLANES,
     PREDICTED,
     SCRATCH,
@@ -92,6 +99,7 @@ from kickdrift.world.tables import (
 )
 
 _TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
+_ASIDE = 0.25  # of the radius around the smaller of two shapes: farther beside its points, a contact needs a new normal
 
 
 @compiled
@@ -104,10 +112,11 @@ def find_missed(t: float, h: float, world: int) -> None:
     if room(world, SCRATCH) < size:
         ask_for_room(world, SCRATCH, size)
         return
-    missed = _find_body(world)
+    missed, aside = _find_body(world)
     if missed < 0:
         return
-    if search[0, TRIES] < _TRIES and _note_paths(h, world):
+    # A repetition keeps the points that contacts have, and with them their normals.
+    if not aside and search[0, TRIES] < _TRIES and _note_paths(h, world):
         search[0, TRIES] += 1
         if status[0, STATUS] == OK:
             status[0, STATUS] = BEGIN_AGAIN
@@ -156,19 +165,31 @@ def _find_errors(h: float, world: int) -> bool:
 
 
 @compiled
-def _find_body(world: int) -> int:
-    """Return a body off its expected path that has come to a shape with which the step had no points of contact, or -1."""
+def _find_body(world: int) -> tuple[int, bool]:
+    """Return a body off its expected path that may have missed a shape, or -1.
+
+    It has come to a shape with which the step had no points of contact or, then the second result is true, beside the points
+    of a fast contact: these are valid only where they were expected to touch.
+    """
     contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
+    missed, aside = -1, False
     for row in range(rows(world, CONTACT)):
-        if contact[row, POINTS] != 0 or contact[row, CONTACT_STATE] & SENSOR != 0:
+        touches = contact[row, POINTS] != 0
+        if (touches and contact[row, CONTACT_STATE] & FAST == 0) or contact[row, CONTACT_STATE] & SENSOR != 0:
             continue
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
         # A body less deep in another shape than half of its size is pushed out again.
-        far = max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS]))
+        size = smallest(place[a, RADIUS], place[b, RADIUS])
+        far = _ASIDE * size if touches else max(margin, 0.5 * size)
         of_a, of_b = _off(world, a), _off(world, b)
-        if of_a + of_b > far and may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
-            missed: int = contact[row, BODY_A if of_a > of_b else BODY_B]
-            return missed
+        if of_a + of_b <= far or (touches and _aside(world, row) <= far) or (missed >= 0 and not touches):
+            continue
+        if may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
+            missed, aside = contact[row, BODY_A if of_a > of_b else BODY_B], touches
+            if aside:
+                break
+    if missed >= 0:
+        return missed, aside
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
@@ -181,8 +202,21 @@ def _find_body(world: int) -> int:
             known = known and bounds[shape, LOWER + j] <= box[j] and box[3 + j] <= bounds[shape, UPPER + j]
         if not known and _meets_unknown(world, shape, box):
             own: int = integers(world, SHAPE)[shape, BODY_ROW]
-            return own
-    return -1
+            return own, False
+    return -1, False
+
+
+@compiled
+def _aside(world: int, row: int) -> float:
+    """Return how far across the normal of a contact one body is from where the other expected it, m; zero on planes."""
+    contact = integers(world, CONTACT)
+    if sort_of(world, contact[row, SHAPE_A]) == HALF_SPACE:
+        return 0.0
+    turn = quaternion_at(floats(world, PLACED), contact[row, SHAPE_A], PLACED_ORIENTATION)
+    normal = turned(turn, vector_at(floats(world, MANIFOLD), row, NORMAL))
+    off = minus(end_error(world, contact[row, BODY_B]), end_error(world, contact[row, BODY_A]))
+    across: float = length(cross(normal, off))
+    return across
 
 
 @compiled(inline=True)

@@ -186,6 +186,18 @@ def path_error(world: int, body: int) -> float:
 
 
 @compiled
+def end_error(world: int, body: int) -> Vector:
+    """Return where a body is relative to the end of its path; zero of bodies that are on it."""
+    predicted = floats(world, PREDICTED)
+    if predicted[body, POSITION_ERROR] == 0.0:
+        return 0.0, 0.0, 0.0
+    end, _ = _corners(world, body)
+    if has_change(world, body):
+        end = vector_at(predicted, body, END_POSE)
+    return minus(vector_at(floats(world, POSE), body, 0), end)
+
+
+@compiled
 def turn_error(h: float, world: int, body: int) -> float:
     """Return by how much a body has turned farther than was expected, rad."""
     turn = length(vector_at(floats(world, DELTA_POSE), body, 3))

@@ -50,10 +50,10 @@ QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9
 # times the initial energy is repeated without the laws of axes, which may add energy if the substep is too long.
 FAR, EXCESS = 1e-3, 1.5
 
-# Ratio to which heaps, islands with contacts and fast rotating ones may increase their energy after the drift. Of sixty spinning
-# chains of random rods 46 gain more than a tenth with 1.02, and six with 1.001. Of 600 linkages thrown at walls at 3 to 100 m/s,
-# in space and in planes, 12 gain more than a hundredth if those with contacts may gain EXCESS, one of them a tenth in one impact,
-# and one does with 1.001.
+# Ratio to which heaps, islands with contacts and fast rotating ones may increase their energy after the drift. Of sixty
+# spinning chains of random rods 46 gain more than a tenth with 1.02, and six with 1.001. Of 600 linkages thrown at walls at 3
+# to 100 m/s, in space and in planes, 12 gain more than a hundredth if those with contacts may gain EXCESS, one of them a tenth
+# in one impact, and one does with 1.001.
 KEPT = 1.001
 
 # Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.

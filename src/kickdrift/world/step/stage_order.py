@@ -13,6 +13,7 @@ from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.cloth.wind import calm
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
+from kickdrift.world.collision.fast_rotation import divide_fast_rotation
 from kickdrift.world.collision.missed_contacts import drop_paths, find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
@@ -20,7 +21,6 @@ from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.collision.warm_starting import pass_on_impulses
 from kickdrift.world.contacts.batching import find_batches
 from kickdrift.world.contacts.colouring import colour
-from kickdrift.world.contacts.fast_rotation import divide_fast_rotation
 from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.restitution import bounce, find_bouncing

@@ -8,6 +8,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross, dot
+from kickdrift.world.collision.missed_contacts import drop_paths
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, CONTACT_STATE, POINTS, SENSOR
 from kickdrift.world.free_rotation import turned_product
@@ -58,6 +59,7 @@ def divide_fast_rotation(t: float, h: float, world: int) -> None:
         if contact[row, POINTS] == 0 or contact[row, CONTACT_STATE] & SENSOR != 0:
             continue
         if _is_fast(world, contact[row, BODY_A], substep) or _is_fast(world, contact[row, BODY_B], substep):
+            drop_paths(t, h, world)
             if status[0, STATUS] == OK:
                 status[0, STATUS] = DO_IN_PARTS
             return
