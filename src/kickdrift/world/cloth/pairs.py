@@ -182,9 +182,12 @@ def _compare(world: int, a: int, b: int, one: Any, m: int, other: Any, n: int) -
     """Find the pairs of two twigs; False if there is no room."""
     fits, same, node = True, a == b and m == n, integers(world, CLOTH_TREE_NODE)
     begin, after = integers(world, CLOTH)[a, FIRST_NODE], integers(world, CLOTH)[b, FIRST_NODE]
+    last = int(other[n, SKIP])
     for i in range(m + 1, int(one[m, SKIP])):
-        for j in range(i + 1 if same else n + 1, int(other[n, SKIP])):
-            strays = (node[begin + i, HAS_STRAYED] | node[after + j, HAS_STRAYED]) != 0
-            if strays and overlap(one, i, other, j):
+        if not (same or overlap(one, i, other, n)):
+            continue
+        strays = node[begin + i, HAS_STRAYED]
+        for j in range(i + 1 if same else n + 1, last):
+            if strays | node[after + j, HAS_STRAYED] != 0 and overlap(one, i, other, j):
                 fits = fits and pair_faces(world, a, b, int(one[i, ITEM]), int(other[j, ITEM]))
     return fits
