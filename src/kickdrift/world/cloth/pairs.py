@@ -122,11 +122,16 @@ def meets(world: int) -> bool:
 
 @compiled
 def _horizon(world: int, h: float, part: float, speed: float) -> float:
-    """Return the time for which pairs are sought, s: long for slow cloths, short for fast ones, which would form many pairs."""
+    """Return the time for which pairs are sought, s: long for slow cloths, short for fast ones, which would form many pairs.
+
+    Searches divide the time 4 h, a step of four substeps, into equal intervals: a last one that is short would cost as much.
+    """
     numbers, skin = floats(world, CLOTH_NUMBERS), math.inf
     for cloth in range(rows(world, CLOTH)):
         skin = min(skin, numbers[cloth, SKIN])
-    return max(min(4.0 * h, 2.0 * skin / max(speed, 1e-12)), part)
+    longest = 4.0 * h
+    searches = max(math.floor(0.5 * longest * speed / skin + 0.5), 1)
+    return max(longest / searches, part)
 
 
 @compiled
