@@ -105,9 +105,9 @@ def _drop_pairs(world: int) -> None:
             continue
         if pair[row, PAIR_KIND] == CROSSING:
             tangle(world, f, g)
-        for k in range(CLOTH_PAIR.width):
+        for k in range(CLOTH_PAIR.width if count < row else 0):
             pair[count, k] = pair[row, k]
-        for k in range(CLOTH_PAIR_NUMBERS.width):
+        for k in range(CLOTH_PAIR_NUMBERS.width if count < row else 0):
             numbers[count, k] = numbers[row, k]
         count += 1
     set_rows(world, CLOTH_PAIR, count)
@@ -155,7 +155,7 @@ def _walk(world: int, a: int, b: int) -> bool:
             continue
         if not (same or overlap(one, m, other, n)):
             continue
-        if a == b and is_flat(normals, at, begin + n, at) and _are_one_piece(world, begin, m, n):
+        if a == b and _are_one_piece(world, begin, m, n):
             continue
         left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
         if not left and not right:
@@ -173,7 +173,7 @@ def _walk(world: int, a: int, b: int) -> bool:
 
 @compiled
 def _are_one_piece(world: int, begin: int, m: int, n: int) -> bool:
-    """Whether two flat nodes of a tree that begins in that row form one flat piece with the node that joins them."""
+    """Whether two nodes of a tree that begins in that row form one flat piece with the node that joins them."""
     node, near, normals = integers(world, CLOTH_TREE_NODE), integers(world, TREE_NEIGHBOUR), floats(world, NORMAL_TREE)
     for k in range(node[begin + m, NEAR_NODES], node[begin + m, NEAR_NODES + 1]):
         if near[k, NEAR_NODE] == n:
