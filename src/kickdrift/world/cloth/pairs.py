@@ -105,9 +105,9 @@ def _drop_pairs(world: int) -> None:
             continue
         if pair[row, PAIR_KIND] == CROSSING:
             tangle(world, f, g)
-        for k in range(CLOTH_PAIR.width):
+        for k in range(CLOTH_PAIR.width if count < row else 0):
             pair[count, k] = pair[row, k]
-        for k in range(CLOTH_PAIR_NUMBERS.width):
+        for k in range(CLOTH_PAIR_NUMBERS.width if count < row else 0):
             numbers[count, k] = numbers[row, k]
         count += 1
     set_rows(world, CLOTH_PAIR, count)
@@ -122,11 +122,16 @@ def meets(world: int) -> bool:
 
 @compiled
 def _horizon(world: int, h: float, part: float, speed: float) -> float:
-    """Return the time for which pairs are sought, s: long for slow cloths, short for fast ones, which would form many pairs."""
+    """Return the time for which pairs are sought, s: long for slow cloths, short for fast ones, which would form many pairs.
+
+    Searches divide the time 4 h, a step of four substeps, into equal intervals: a last one that is short would cost as much.
+    """
     numbers, skin = floats(world, CLOTH_NUMBERS), math.inf
     for cloth in range(rows(world, CLOTH)):
         skin = min(skin, numbers[cloth, SKIN])
-    return max(min(4.0 * h, 2.0 * skin / max(speed, 1e-12)), part)
+    longest = 4.0 * h
+    searches = max(math.floor(0.5 * longest * speed / skin + 0.5), 1)
+    return max(longest / searches, part)
 
 
 @compiled
@@ -150,7 +155,7 @@ def _walk(world: int, a: int, b: int) -> bool:
             continue
         if not (same or overlap(one, m, other, n)):
             continue
-        if a == b and is_flat(normals, at, begin + n, at) and _are_one_piece(world, begin, m, n):
+        if a == b and _are_one_piece(world, begin, m, n):
             continue
         left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
         if not left and not right:
@@ -168,7 +173,7 @@ def _walk(world: int, a: int, b: int) -> bool:
 
 @compiled
 def _are_one_piece(world: int, begin: int, m: int, n: int) -> bool:
-    """Whether two flat nodes of a tree that begins in that row form one flat piece with the node that joins them."""
+    """Whether two nodes of a tree that begins in that row form one flat piece with the node that joins them."""
     node, near, normals = integers(world, CLOTH_TREE_NODE), integers(world, TREE_NEIGHBOUR), floats(world, NORMAL_TREE)
     for k in range(node[begin + m, NEAR_NODES], node[begin + m, NEAR_NODES + 1]):
         if near[k, NEAR_NODE] == n:
@@ -182,9 +187,12 @@ def _compare(world: int, a: int, b: int, one: Any, m: int, other: Any, n: int) -
     """Find the pairs of two twigs; False if there is no room."""
     fits, same, node = True, a == b and m == n, integers(world, CLOTH_TREE_NODE)
     begin, after = integers(world, CLOTH)[a, FIRST_NODE], integers(world, CLOTH)[b, FIRST_NODE]
+    last = int(other[n, SKIP])
     for i in range(m + 1, int(one[m, SKIP])):
-        for j in range(i + 1 if same else n + 1, int(other[n, SKIP])):
-            strays = (node[begin + i, HAS_STRAYED] | node[after + j, HAS_STRAYED]) != 0
-            if strays and overlap(one, i, other, j):
+        if not (same or overlap(one, i, other, n)):
+            continue
+        strays = node[begin + i, HAS_STRAYED]
+        for j in range(i + 1 if same else n + 1, last):
+            if strays | node[after + j, HAS_STRAYED] != 0 and overlap(one, i, other, j):
                 fits = fits and pair_faces(world, a, b, int(one[i, ITEM]), int(other[j, ITEM]))
     return fits

@@ -256,9 +256,9 @@ def is_flat(boxes: Any, m: int, n: int, o: int) -> bool:
     y, v = min(boxes[m, 1], boxes[n, 1], boxes[o, 1]), max(boxes[m, 4], boxes[n, 4], boxes[o, 4])
     z, w = min(boxes[m, 2], boxes[n, 2], boxes[o, 2]), max(boxes[m, 5], boxes[n, 5], boxes[o, 5])
     middle, half = (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), (0.5 * (u - x), 0.5 * (v - y), 0.5 * (w - z))
-    size = math.sqrt(dot(middle, middle))
-    across = abs(middle[0]) * half[0] + abs(middle[1]) * half[1] + abs(middle[2]) * half[2]
-    return size * size - across >= _FLAT * size and size > 0.0
+    square = dot(middle, middle)
+    least = square - (abs(middle[0]) * half[0] + abs(middle[1]) * half[1] + abs(middle[2]) * half[2])
+    return least > 0.0 and least * least >= _FLAT * _FLAT * square
 
 
 @compiled(inline=True)
