@@ -72,7 +72,12 @@ def test_steps_may_be_those_of_each_method_and_runs_may_fail():
 def test_the_reference_is_that_of_the_whole_span_where_the_first_run_stops_early():
     cubic = {"x0": [0.7, -0.2], "v0": [0.3, 0.5]}
     table = analysis.work_precision(
-        lambda t, x: -x - x**3 + np.cos(2 * t), (0.0, 20.0), ["kick-drift", "kahan-li-8"], [0.4, 0.05], rounds=1, **cubic
+        lambda t, x: -x - x**3 + np.cos(2 * t),
+        (0.0, 20.0),
+        ["kick-drift", "kahan-li-8"],
+        [0.4, 0.05],
+        rounds=1,
+        **cubic,
     )
     failed, accurate = table.curves
     assert failed.errors[0] == np.inf
