@@ -52,6 +52,7 @@ nb_execution_cache_path = str(HERE / "_build" / "notebooks")
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_render_markdown_format = "gfm"  # with tables
 nb_output_stderr = "remove"
 
 sphinx_gallery_conf = {
@@ -60,7 +61,7 @@ sphinx_gallery_conf = {
     "filename_pattern": os.environ.get("KICKDRIFT_GALLERY", r"\.py$"),  # a part of a path builds that example alone
     "ignore_pattern": r"__init__\.py",
     "image_scrapers": ("figures.scrape",),
-    "ignore_repr_types": "Embedded",
+    "capture_repr": (),  # of the last line, which is often a call of pyplot
     "within_subsection_order": "FileNameSortKey",
     "subsection_order": ["gallery/" + name for name in (
         "orbits", "oscillations", "fields", "heat", "chaos", "rigid", "contacts", "machines", "cloth", "methods",
@@ -93,4 +94,5 @@ html_theme_options = {
     "footer_end": [],
     "header_links_before_dropdown": 9,
 }
-html_sidebars = {"index": []}
+html_sidebars = {"index": [], "tutorial": [], "elsewhere": []}  # without pages below them
+html_context = {"default_mode": "auto"}  # light or dark, as the reader's system is

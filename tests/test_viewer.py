@@ -284,6 +284,17 @@ def test_bodies_move_on_their_orbits(planets, tmp_path):
     assert {"/orbits", "/tails"} <= set(page.nodes)
 
 
+def test_names_of_bodies_close_to_each_other_are_small_and_states_too_far_apart_have_no_tail(tmp_path):
+    near, far = [1.0, 0.0, 0.0], [60.0, 0.0, 0.0]
+    orbits = kd.systems.nbody([1.0, 0.0, 0.0], [[0, 0, 0], near, far], [[0, 0, 0], [0, 1, 0], [0, 60**-0.5, 0]])
+    sol = kd.solve(orbits, (0.0, 300.0), step=0.1, save_every=30, method="leapfrog", compile=False)
+    page = Page(sol.to_html(tmp_path / "planets.html"))
+    heights = [node["props"]["font_scene_height"] for node in page.nodes.values() if "text" in node["props"]]
+    assert heights[0] == heights[1] < 0.2 * heights[2]
+    tail = page.of("tails", "points")[1].reshape(24, -1, 2, 3)
+    assert tail.shape[1] == 1  # of the slow body: the heavy one does not move
+
+
 def test_orbits_in_the_plane_backwards_and_of_a_single_state_are_shown(tmp_path):
     for end in (3.0, -3.0):
         sol = kd.solve(lambda x: -x, (0.0, end), [1.0, 0.0], [0.0, 1.0], step=0.05, compile=False)

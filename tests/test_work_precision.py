@@ -69,6 +69,21 @@ def test_steps_may_be_those_of_each_method_and_runs_may_fail():
     assert found.curves[1].steps.tolist() == [1.0, 0.5]
 
 
+def test_the_reference_is_that_of_the_whole_span_where_the_first_run_stops_early():
+    cubic = {"x0": [0.7, -0.2], "v0": [0.3, 0.5]}
+    table = analysis.work_precision(
+        lambda t, x: -x - x**3 + np.cos(2 * t),
+        (0.0, 20.0),
+        ["kick-drift", "kahan-li-8"],
+        [0.4, 0.05],
+        rounds=1,
+        **cubic,
+    )
+    failed, accurate = table.curves
+    assert failed.errors[0] == np.inf
+    assert accurate.errors[1] < 1e-9
+
+
 def test_without_an_exact_solution_a_tight_run_is_the_reference():
     found = analysis.work_precision(
         lambda x: -np.sin(x), (0.0, 5.0), ["kahan-li-8"], [0.5], 1.0, 0.0, rounds=1, compile=False

@@ -33,7 +33,9 @@ def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any])
         paths.append(path)
     pyplot.close("all")
     del _seen[:-20]
-    return figure_rst(paths, gallery_conf["src_dir"]) + _viewer(block_vars)
+    # One below the other: side by side, they would be too small to read.
+    rows = [figure_rst([path], gallery_conf["src_dir"]) for path in paths]
+    return "".join(rows) + _viewer(block_vars)
 
 
 def _viewer(block_vars: dict[str, Any]) -> str:

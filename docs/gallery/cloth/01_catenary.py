@@ -24,7 +24,8 @@ world, before = kd.World(), None
 for a, b in zip(nodes[:-1], nodes[1:], strict=True):
     tilt = np.arctan2(b[0] - a[0], b[2] - a[2])
     piece = world.add_capsule(
-        0.008, np.linalg.norm(b - a) - 0.016, position=0.5 * (a + b), orientation=(np.cos(tilt / 2), 0, np.sin(tilt / 2), 0),
+        0.008, np.linalg.norm(b - a) - 0.016, position=0.5 * (a + b),
+        orientation=(np.cos(tilt / 2), 0, np.sin(tilt / 2), 0),
         mass=0.1, angular_damping=3.0, damping=0.5, collides_with=(),
     )  # fmt: skip
     world.add_ball_joint(before, piece, anchor=a)

@@ -14,7 +14,8 @@ world = kd.World()
 world.add_capsule(radius=0.02, length=2.0, position=(-0.03, 0, 1.0), static=True)
 upright = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
 flag = world.add_cloth_grid(
-    (1.2, 0.7), (32, 18), position=(0.6, 0, 1.6), orientation=upright, density=0.12, bending_stiffness=1e-5, damping=1e-3,
+    (1.2, 0.7), (32, 18), position=(0.6, 0, 1.6), orientation=upright,
+    density=0.12, bending_stiffness=1e-5, damping=1e-3,
     drag=1.0, lift=1.0, name="flag",
 )  # fmt: skip
 flag.pin(np.arange(18))

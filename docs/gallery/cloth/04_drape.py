@@ -27,5 +27,6 @@ figure = recording.plot()
 places = recording.cloth("cloth")[-1]
 above = np.linalg.norm(places - [0, 0, 0.3], axis=1) - 0.3
 print(
-    f"no vertex is nearer than {1e3 * above.min():.1f} mm to the ball; {(above < 0.01).mean():.0%} of the cloth lies on it"
+    f"no vertex is nearer than {1e3 * above.min():.1f} mm to the ball; "
+    f"{(above < 0.01).mean():.0%} of the cloth lies on it"
 )

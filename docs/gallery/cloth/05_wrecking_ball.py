@@ -4,7 +4,7 @@ A wrecking ball
 
 A chain of twenty rods of 1 kg carries a ball of 1000 kg. Solvers that treat one joint after the other let such a chain
 stretch like rubber; solved simultaneously, as one island, it keeps its length. The ball breaks through a wall of 28 stones,
-which costs it half of its height.
+and comes up to a third of its height behind it.
 """
 
 import numpy as np
@@ -30,9 +30,9 @@ for row in range(7):
         world.add_box(
             (0.4, 0.8, 0.4), position=(0.9, 0.82 * (place - 1.5), 0.2 + 0.4 * row), density=1200.0, friction=0.6
         )
-recording = world.run(duration=4.0, step=1 / 120)
+recording = world.run(duration=4.0, step=1 / 240)
 figure = recording.plot()
 height = recording.x[:, ball.index, 2]
 print(f"joints open by {1e3 * recording.derived['joint gap'].max():.2f} mm at most")
-print(f"the ball began at {height[0]:.2f} m and comes up to {height[240:].max():.2f} m behind the wall")
+print(f"the ball began at {height[0]:.2f} m and comes up to {height[recording.t > 2.0].max():.2f} m behind the wall")
 recording.show()

@@ -24,6 +24,7 @@ vertices = len(sheet.mass)
 recording = world.run(duration=0.4, step=1 / 120)
 figure = recording.plot()
 print(
-    f"behind the sheet the ball flies at {ball.velocity[1]:.1f} m/s; {len(sheet.mass) - vertices} of the {vertices} vertices"
+    f"behind the sheet the ball flies at {ball.velocity[1]:.1f} m/s; "
+    f"{len(sheet.mass) - vertices} of the {vertices} vertices"
     " of the sheet were split"
 )

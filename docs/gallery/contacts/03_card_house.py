@@ -37,5 +37,6 @@ world.add_sphere(0.012, position=(-0.4, 0, 0.12), velocity=(3.0, 0, 0.6), densit
 falls = world.run(duration=1.0, step=1 / 240)
 after = falls.plot()
 print(
-    f"in 3 s the cards moved by at most {1e3 * moved:.2f} mm; then a marble of {1e3 * 2500 * 4.19 * 0.012**3:.0f} g came"
+    f"in 3 s the cards moved by at most {1e3 * moved:.2f} mm; "
+    f"then a marble of {1e3 * 2500 * 4.19 * 0.012**3:.0f} g came"
 )

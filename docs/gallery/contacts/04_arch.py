@@ -21,7 +21,8 @@ def arch(thickness, count=15, radius=2.0):
     crown = 1 + count // 2 + 1
     recording = world.run(duration=4.0, step=1 / 120)
     print(
-        f"thickness {100 * thickness:.0f} %: the crown sank by {1e3 * (recording.x[0, crown, 2] - recording.x[-1, crown, 2]):.1f} mm"
+        f"thickness {100 * thickness:.0f} %: "
+        f"the crown sank by {1e3 * (recording.x[0, crown, 2] - recording.x[-1, crown, 2]):.1f} mm"
     )
     return recording
 

@@ -28,6 +28,7 @@ recording = world.run(duration=6.0, step=1 / 240)
 figure = recording.plot()
 moving = np.linalg.norm(recording.v[:, recording.moving], axis=2)
 print(
-    f"{(moving.max(axis=0) > 0.5).sum()} balls have moved faster than 0.5 m/s; after 6 s {(moving[-1] > 0.01).sum()} still roll"
+    f"{(moving.max(axis=0) > 0.5).sum()} balls have moved faster than 0.5 m/s; "
+    f"after 6 s {(moving[-1] > 0.01).sum()} still roll"
 )
 recording.show()

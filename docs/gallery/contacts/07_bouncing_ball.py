@@ -31,6 +31,7 @@ ax.set(xlabel="time (s)", ylabel="height (m)")
 ax.legend()
 total = np.sqrt(2 / 9.81) * (1 + 0.8) / (1 - 0.8)
 print(
-    f"bouncing ends after {total:.3f} s by theory; after 4.2 s the world's ball is {1e6 * abs(z[-48] - 0.05):.0f} micrometres off the floor"
+    f"bouncing ends after {total:.3f} s by theory; "
+    f"after 4.2 s the world's ball is {1e6 * abs(z[-48] - 0.05):.0f} micrometres off the floor"
 )
 print(f"highest after the third bounce: {(z[recording.t > 1.76] - 0.05).max():.4f} m; theory {0.64**3:.4f} m")

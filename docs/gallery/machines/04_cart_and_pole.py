@@ -43,5 +43,6 @@ bottom.plot(t, place, color="C1")
 top.set(ylabel="angle (degrees)")
 bottom.set(xlabel="time (s)", ylabel="cart (m)")
 print(
-    f"largest angle after the push {abs(angle[t > 4]).max():.1f} degrees; at the end {abs(angle[-1]):.4f} degrees, {place[-1]:.4f} m"
+    f"largest angle after the push {abs(angle[t > 4]).max():.1f} degrees; "
+    f"at the end {abs(angle[-1]):.4f} degrees, {place[-1]:.4f} m"
 )

@@ -36,5 +36,6 @@ ax.set(xlabel="time (s)", ylabel="speed (rad/s)")
 ax.legend()
 inertia = sum(wheel.inertia[2, 2] * (teeth[0] / count) ** 2 for wheel, count in zip(wheels, teeth, strict=True))
 print(
-    f"after 2 s {speeds[0][-1]:.3f}, {speeds[1][-1]:.3f}, {speeds[2][-1]:.3f} rad/s; expected of the first {0.2 * 2 / inertia:.3f}"
+    f"after 2 s {speeds[0][-1]:.3f}, {speeds[1][-1]:.3f}, {speeds[2][-1]:.3f} rad/s; "
+    f"expected of the first {0.2 * 2 / inertia:.3f}"
 )

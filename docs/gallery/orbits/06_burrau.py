@@ -24,5 +24,6 @@ ax.legend()
 pairs = np.linalg.norm(sol.x[:, [0, 0, 1]] - sol.x[:, [1, 2, 2]], axis=2)
 print(f"{sol.n_steps} steps from {sol.step_range[0]:.1e} to {sol.step_range[1]:.1e}; closest passage {pairs.min():.4f}")
 print(
-    f"distances at t = 70: {np.round(pairs[-1], 1)}; energy lost {sol.energy[-1] - sol.energy[0]:.0e} of {sol.energy[0]:.3f}"
+    f"distances at t = 70: {np.round(pairs[-1], 1)}; "
+    f"energy lost {sol.energy[-1] - sol.energy[0]:.0e} of {sol.energy[0]:.3f}"
 )

@@ -86,7 +86,7 @@ class Advice:
             markdown(self.columns),
         ]
         if self.left_out:
-            lines += ["", *(f"{name}: {why}" for name, why in self.left_out.items())]
+            lines += ["", *(f"- {name}: {why}" for name, why in self.left_out.items())]
         return "\n".join(lines)
 
     _repr_markdown_ = __repr__

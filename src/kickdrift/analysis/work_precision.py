@@ -135,8 +135,9 @@ def work_precision(
     for round_ in range(rounds):  # back and forth: a machine that slows down favours none
         for name in wanted if round_ % 2 == 0 else reversed(wanted):
             seconds[name][round_] = [run(name, step).wall_time for step in wanted[name]]
-    first = next(iter(runs.values()))[0]
-    end = reference if reference is not None else end_of_reference(problem, first, x0 is None and v0 is None, args)
+    every = [own for of in runs.values() for own in of]
+    complete = next((own for own in every if own.success), every[0])  # those that stopped early end at another time
+    end = reference if reference is not None else end_of_reference(problem, complete, x0 is None and v0 is None, args)
     curves = tuple(
         Curve(
             label=name,
@@ -147,7 +148,7 @@ def work_precision(
         )
         for name, of in runs.items()
     )
-    return WorkPrecision(first.about.system, (float(t_span[0]), float(t_span[1])), curves)
+    return WorkPrecision(complete.about.system, (float(t_span[0]), float(t_span[1])), curves)
 
 
 def error_at_end(run: Solution, x: ArrayLike, v: ArrayLike) -> float:

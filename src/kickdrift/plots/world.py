@@ -129,7 +129,7 @@ def _draw_energy(axes: "Axes", recording: Recording) -> None:
         ("sum", total, SUM, 4.0),
     ):
         axes.plot(recording.t, values / size, color=colour, linewidth=width, label=name, zorder=3.0 - 0.1 * width)
-    dress(axes, "t (s)", f"energy ({unit}), potential from its minimum")
+    dress(axes, "t (s)", f"energy ({unit}),\npotential from its minimum")
     axes.margins(x=0)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderaxespad=0.2)
 

@@ -28,6 +28,8 @@ _MOST_ORBITS = 200  # bodies that have one: those of thousands are a sheet that 
 _DOT = 5e-3  # size of dots that stand for so many bodies, of the radius of the scene: four pixels
 _MOST_TAILS, _TAIL = 50, 24  # bodies that have one, and its states
 _MOST_NAMES = 30
+_NAME_SIZES = (1e-4, 0.04)  # heights, of the radius of the scene: least and greatest
+_NAME_APART = 0.25  # of the way to the nearest body, for the height: about a name's width away from it
 _FAINT = 0.6  # of white in the colours of orbits
 _LOST_TURN = 1.0  # radians between two states: farther apart, they are no curve any more
 
@@ -47,8 +49,9 @@ def solution_to_html(solution: Solution, path: str | Path) -> Path:
     solution : Solution
         Of bodies in the plane or in space: x0 of shape (2,), (3,), (N, 2) or (N, 3). It plays in at most 20 s, in 30 states
         a second of those kept. Orbits are drawn through the states; where these are so far apart that no curve can be seen
-        in them, as points. More than 30 bodies have no names, more than 50 no tails, and more than 200 no orbits, which the
-        page says; these are dots of one size.
+        in them, as points, and a body whose states shown are that far apart has no tail. Names of bodies that are close to
+        each other are small: they can be read from nearby. More than 30 bodies have no names, more than 50 no tails,
+        and more than 200 no orbits, which the page says; these are dots of one size.
     path : path
         Ends in ``.html``.
 
@@ -91,8 +94,9 @@ def _play(stage: Stage, solution: Solution) -> str:
     else:
         movers.append(_Dots(stage.scene, orbits))
         title += f", {bodies} bodies without their orbits"
-    if bodies <= _MOST_TAILS:
-        movers.append(_Tails(stage.scene, orbits, rows))
+    smooth = _smooth(orbits.paths[rows])  # tails of others would be chords that cross the orbit
+    if bodies <= _MOST_TAILS and smooth.any():
+        movers.append(_Tails(stage.scene, _Orbits(orbits.paths[:, smooth], orbits.colours[smooth]), rows))
     names = tuple(solution.about.coordinates.get("body", ()))
     if 1 < len(names) <= _MOST_NAMES:
         movers.append(_Names(stage.scene, orbits, names))
@@ -141,11 +145,7 @@ def _draw_paths(scene: Any, orbits: _Orbits) -> None:
     if len(paths) < 2:
         return
     faint = colours + _FAINT * (1.0 - colours)
-    way = np.diff(paths, axis=0)
-    lengths = np.linalg.norm(way, axis=2)
-    cosines = (way[1:] * way[:-1]).sum(axis=2) / np.maximum(lengths[1:] * lengths[:-1], 1e-300)
-    turns = np.median(np.arccos(np.clip(cosines, -1.0, 1.0)), axis=0) if len(way) > 1 else np.zeros(bodies)
-    smooth = turns < _LOST_TURN
+    smooth = _smooth(paths)
     if smooth.any():
         segments = np.stack((paths[:-1, smooth], paths[1:, smooth]), axis=2).reshape(-1, 2, 3)
         each = np.broadcast_to(linear(faint[smooth])[None, :, None], (len(paths) - 1, smooth.sum(), 2, 3)).reshape(
@@ -156,6 +156,18 @@ def _draw_paths(scene: Any, orbits: _Orbits) -> None:
         points = paths[:, ~smooth].reshape(-1, 3)
         each_point = np.broadcast_to(_bytes(faint[~smooth]), (len(paths), (~smooth).sum(), 3)).reshape(-1, 3)
         scene.add_point_cloud("/states", points, each_point, point_size=2e-3 * _RADIUS, precision="float32")
+
+
+def _smooth(paths: Floats) -> NDArray[np.bool_]:
+    """Return which bodies turn so little from state to state that these are a curve."""
+    way = np.diff(paths, axis=0)
+    if len(way) < 2:
+        return np.ones(paths.shape[1], dtype=np.bool_)
+    lengths = np.linalg.norm(way, axis=2)
+    cosines = (way[1:] * way[:-1]).sum(axis=2) / np.maximum(lengths[1:] * lengths[:-1], 1e-300)
+    turns = np.median(np.arccos(np.clip(cosines, -1.0, 1.0)), axis=0)
+    result: NDArray[np.bool_] = turns < _LOST_TURN
+    return result
 
 
 class _Mover(Protocol):
@@ -217,10 +229,15 @@ def _radii(paths: Floats) -> Singles:
     least, greatest = (size * _RADIUS for size in _SIZES)
     if paths.shape[1] == 1:
         return np.array([greatest], dtype=np.float32)
-    rows = np.unique(np.linspace(0, len(paths) - 1, _ROWS_MEASURED).astype(np.intp))
-    nearest = np.median([cKDTree(paths[row]).query(paths[row], k=2)[0][:, 1] for row in rows], axis=0)
-    radii: Singles = np.clip(_APART * nearest, least, greatest).astype(np.float32)
+    radii: Singles = np.clip(_APART * _nearest(paths), least, greatest).astype(np.float32)
     return radii
+
+
+def _nearest(paths: Floats) -> Floats:
+    """Return the median distance of each of several bodies to the one that is nearest to it."""
+    rows = np.unique(np.linspace(0, len(paths) - 1, _ROWS_MEASURED).astype(np.intp))
+    result: Floats = np.median([cKDTree(paths[row]).query(paths[row], k=2)[0][:, 1] for row in rows], axis=0)
+    return result
 
 
 class _Tails:
@@ -247,12 +264,21 @@ class _Tails:
 
 
 class _Names:
-    """Names that go with their bodies."""
+    """Names that go with their bodies; those of bodies close to each other are small, and readable from nearby."""
 
     def __init__(self, scene: Any, orbits: _Orbits, names: tuple[str, ...]) -> None:
         self._paths = orbits.paths
+        least, greatest = (size * _RADIUS for size in _NAME_SIZES)
+        heights = np.clip(_NAME_APART * _nearest(orbits.paths), least, greatest)
         self._labels = [
-            scene.add_label(f"/names/{body}", name, position=self._paths[0, body]) for body, name in enumerate(names)
+            scene.add_label(
+                f"/names/{body}",
+                name,
+                position=self._paths[0, body],
+                font_size_mode="scene",
+                font_scene_height=float(heights[body]),
+            )
+            for body, name in enumerate(names)
         ]
 
     def show(self, row: int) -> None:
