@@ -102,6 +102,15 @@ def test_a_saddle_has_the_exponents_of_the_method():
     assert rate < 1 - 1e-4
 
 
+def test_the_standard_map_stretches_by_half_its_parameter_in_each_step():
+    # Chirikov, Phys. Rep. 52, 263 (1979): ln(K / 2) for large K. Twenty such steps would tear a displacement of 1e-6 apart.
+    found = analysis.lyapunov_exponent(
+        lambda x: 10.0 * np.sin(x), (0.0, 5000.0), 0.4, 0.2, step=1.0, method="kick-drift", count=2, compile=False
+    )
+    assert found.values[0] == pytest.approx(math.log(5.0), abs=0.03)
+    assert found.values.sum() == pytest.approx(0.0, abs=1e-3)
+
+
 def test_friction_takes_from_the_sum():
     found = analysis.lyapunov_exponent(
         lambda x, v: -x - 0.3 * v, (0.0, 100.0), 1.0, 0.0, step=0.1, method="gauss-4", count=2, compile=False

@@ -20,6 +20,17 @@ def relativistic(t, y):
     return [y[1] / np.sqrt(1 + y[1] ** 2), -y[0] - y[0] ** 3]
 
 
+class Reused:
+    """A function that returns the same array each time."""
+
+    def __init__(self):
+        self.out = np.zeros(2)
+
+    def __call__(self, t, y):
+        self.out[:] = y[1], -y[0] - 0.1 * y[1]
+        return self.out
+
+
 REFERENCES = {
     fun: solve_ivp(fun, (0.0, 5.0), START, "DOP853", rtol=1e-13, atol=1e-14, dense_output=True).sol
     for fun in (driven, relativistic)
@@ -115,11 +126,25 @@ def test_solvers_are_scipys_and_named():
         (lambda t, y: -y, [1.0, 2.0, 3.0], {"step": 0.1}, "y0 has 3 numbers"),
         (lambda t, y: [y[1], -y[0] - 0.1 * y[1]], START, {"step": 0.1}, "v' depends on v"),
         (lambda t, y: [y[1] + y[0], -y[0]], START, {"step": 0.1}, "x' depends on x"),
+        (lambda t, y: [y[1], -y[0] * y[1]], [0.0, 1.0], {"step": 0.1}, "v' depends on v"),  # though not at the start
+        (Reused(), START, {"step": 0.1}, "v' depends on v"),
+        (lambda t, y: [y[1]], START, {"step": 0.1}, r"returned an array of shape \(1,\), but y0 has 2 numbers"),
     ],
 )
 def test_what_cannot_be_solved(fun, y0, options, text):
     with pytest.raises(ArgumentError, match=text):
         solve_ivp(fun, (0.0, 1.0), y0, ks.StormerVerlet, **options)
+
+
+def test_methods_for_linear_drifts_refuse_others_from_rest():
+    with pytest.raises(ArgumentError, match="x' is not linear in v"):
+        solve_ivp(relativistic, (0.0, 1.0), [1.0, 0.0], ks.BlanesMoanSrkn6b, step=0.1)
+
+
+@pytest.mark.parametrize("end", [np.inf, np.nan])
+def test_ends_are_finite(end):
+    with pytest.raises(ArgumentError, match="t_bound must be finite"):
+        ks.StormerVerlet(driven, 0.0, START, end, step=0.1)
 
 
 def test_options_of_other_solvers_are_warned_of_and_states_that_overflow_are_said():

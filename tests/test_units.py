@@ -107,6 +107,16 @@ def test_it_reports_saves_draws_and_goes_to_other_processes(u, tmp_path, small_p
         assert sol.to_xarray().x.attrs["units"] == "m"
 
 
+def test_units_are_refused_where_they_would_be_lost(u):
+    with pytest.raises(ArgumentError, match=r"omega=.* must be a number: it has a unit, which would be lost"):
+        kd.systems.harmonic_oscillator(1.0 / u.s)
+    stiffnesses = np.array([1.0, 2.0]) / u.s**2
+    with pytest.raises(ArgumentError, match=r"args\['k'\] has a unit, which would be lost"):
+        kd.solve_ensemble(
+            lambda x, params: -params[0] * x, (0.0, 1.0), x0=1.0, v0=0.0, step=0.1, args={"k": stiffnesses}
+        )
+
+
 def test_planets_in_their_own_units():
     u, constants = pytest.importorskip("astropy.units"), pytest.importorskip("astropy.constants")
     x, v = [[0, 0, 0], [1, 0, 0]] * u.au, [[0, 0, 0], [0, 29.784691831, 0]] * u.km / u.s

@@ -40,7 +40,8 @@ class SplittingSolver(OdeSolver):
     Raises
     ------
     ArgumentError
-        For a step that is not positive and finite, and for states and functions without these two halves.
+        For a step that is not positive and finite, an end that is not finite, and for states and functions without these two
+        halves.
     """
 
     method: ClassVar[Method]
@@ -72,23 +73,38 @@ class SplittingSolver(OdeSolver):
         self.h_abs = abs(self._h)
 
     def _check_halves(self) -> None:
-        """Check that each half's rate depends on the other half alone, and that x' is linear in v where the method needs it."""
-        n, rate, wrong = self._half, np.asarray(self.fun(self.t, self.y), dtype=float), ""
+        """Check that each half's rate depends on the other half alone, and that x' is linear in v where the method needs it.
+
+        Near the start, and not at it, where what multiplies a half may be zero.
+        """
+        n, y, wrong = self._half, self.y + _TRIED * (1.0 + np.abs(self.y)), ""
+        rate = self._rates(y)
         for own, what in ((np.s_[:n], "x' depends on x"), (np.s_[n:], "v' depends on v")):
-            y = self.y.copy()
-            y[own] += _TRIED * (1.0 + np.abs(y[own]))
-            changed = np.asarray(self.fun(self.t, y), dtype=float)
-            wrong = wrong if np.array_equal(changed[own], rate[own], equal_nan=True) else what
+            changed = y.copy()
+            changed[own] = self.y[own]
+            same = np.array_equal(self._rates(changed)[own], rate[own], equal_nan=True)
+            wrong = wrong if same else what
         if self.method.kind is Kind.NEWTONIAN:
-            doubled = np.asarray(self.fun(self.t, np.append(self.y[:n], 2.0 * self.y[n:])), dtype=float)[:n]
+            doubled = self._rates(np.append(y[:n], 2.0 * y[n:]))[:n]
             wrong = (
-                wrong if np.allclose(doubled, 2.0 * rate[:n], rtol=1e-9, equal_nan=True) else "x' is not linear in v"
+                wrong
+                if np.allclose(doubled, 2.0 * rate[:n], rtol=1e-9, atol=0.0, equal_nan=True)
+                else "x' is not linear in v"
             )
         if wrong and self.method.order > 1:
             raise ArgumentError(
                 f"fun returns [x', v'], in which {wrong}: {self.method.name!r} would lose its order. Use"
                 " kickdrift.solve, which has methods for this."
             )
+
+    def _rates(self, y: Floats) -> Floats:
+        """Return a copy of the rates at the start's time; `fun` may return the same array again."""
+        rates = np.array(self.fun(self.t, y), dtype=float)
+        if rates.shape != y.shape:
+            raise ArgumentError(
+                f"fun returned an array of shape {rates.shape}, but y0 has {self.n} numbers; return [x', v']."
+            )
+        return rates
 
     def _moved(self, t: float, y: Floats, h: float) -> Floats:
         """Return the state after a step of any size; the clock moves with the positions."""
@@ -135,6 +151,8 @@ def _count(step: Any, length: float) -> int:
         size = real(step)
     except TypeError:
         size = math.nan
+    if not math.isfinite(length):
+        raise ArgumentError("t_bound must be finite, since a whole number of equal steps leads to it.")
     if not 0.0 < size < math.inf:
         raise ArgumentError(f"step={step!r} must be positive and finite: solve_ivp(..., method=..., step=0.01).")
     return max(1, math.ceil(length / size * (1.0 - 1e-12)))

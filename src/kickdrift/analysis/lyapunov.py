@@ -21,7 +21,8 @@ Floats = NDArray[np.float64]
 
 _APART = 1e-6  # of the state: rounding leaves 1e-10 of a direction, and bending 1e-12
 _TURNING = 0.1  # of the time, in which directions turn to where they grow the most, and which is not counted
-_STEPS = 20  # between two renormalisations
+_STEPS = 20  # between two renormalisations, at most
+_GROWTH = 100.0  # of a displacement between them, or its decay: beyond it displacements bend, or are lost to rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,8 @@ def lyapunov_exponent(
     """Measure the rates at which neighbouring trajectories diverge.
 
     Small displacements to both sides of the trajectory are integrated with it, and renormalised and orthogonalised every
-    twenty steps. A positive exponent indicates chaos; in regular motion all of them decay to zero like log(t) / t.
+    twenty steps, or more often where they grow fast. A positive exponent indicates chaos; in regular motion all of them decay
+    to zero like log(t) / t.
 
     Parameters
     ----------
@@ -108,21 +110,25 @@ def lyapunov_exponent(
         )
     lengths = _APART * scales_of(steps.x0, steps.v0, math.copysign(max(abs(h), abs(end - begin) / 1000), h))
     directions = np.linalg.qr(np.random.default_rng(0).normal(size=(steps.start.size, count)))[0]
-    state, done = steps.start, 0
+    state, done, stretch = steps.start, 0, _STEPS
     times, logarithms = [], []
     while done < n_steps:
-        now = min(_STEPS, n_steps - done)
+        now = min(stretch, n_steps - done)
         moved = lengths * directions.T
         rows = steps.advance(begin + done * h, np.concatenate((state[None], state + moved, state - moved)), now)
-        state, done = rows[0], done + now
         grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
         if not np.isfinite(grown).all():
-            raise KickdriftError(f"the state is not finite at t={begin + done * h!r}; use a smaller step.")
-        directions, triangle = np.linalg.qr(grown.T)
+            raise KickdriftError(f"the state is not finite at t={begin + (done + now) * h!r}; use a smaller step.")
+        turned, triangle = np.linalg.qr(grown.T)
+        logarithm = np.log(np.abs(np.diag(triangle)))
+        if now > 1 and np.abs(logarithm).max() > np.log(_GROWTH):
+            stretch = now // 2
+            continue
+        state, done, directions = rows[0], done + now, turned
         times.append(begin + done * h)
-        logarithms.append(np.log(np.abs(np.diag(triangle))))
+        logarithms.append(logarithm)
     t, sums = np.array(times), np.cumsum(logarithms, axis=0)
-    first = min(int(_TURNING * t.size), t.size - 2) if t.size > 1 else -1
+    first = min(int(np.searchsorted(np.abs(t - begin), _TURNING * abs(end - begin))), t.size - 2)
     before, since = (sums[first], t[first]) if first >= 0 else (0.0, begin)
     values = (sums[-1] - before) / abs(end - since)
     return LyapunovExponents(values, t, sums / np.abs(t - begin)[:, None])

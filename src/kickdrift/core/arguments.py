@@ -56,6 +56,14 @@ def real(value: Any) -> float:
     return float(array)
 
 
+def number(argument: str, value: Any) -> float:
+    """Return the one real number that a user gives as an argument; ArgumentError for anything else."""
+    try:
+        return real(value)
+    except TypeError as error:
+        raise ArgumentError(f"{argument}={value!r} must be a number: {error}.") from None
+
+
 def all_finite(array: Floats) -> bool:
     """Whether all numbers of an array are finite; a reduction by NumPy takes 2 us, whatever the size."""
     if array.size <= _FEW:

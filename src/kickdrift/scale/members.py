@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError, unknown_name
+from kickdrift.core.units import has_unit
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
 
@@ -201,6 +202,8 @@ def _swept(
     allowed = _arguments_of_maker(problem)
     if allowed is not None and (unknown := [name for name in ranges if name not in allowed]):
         raise unknown_name("args", unknown[0], allowed)
+    if with_units := [name for name, values in ranges.items() if has_unit(values)]:
+        raise ArgumentError(f"args[{with_units[0]!r}] has a unit, which would be lost; give plain numbers.")
     axes = {name: list(values) if np.ndim(values) else [values] for name, values in ranges.items()}
     if empty := [name for name, values in axes.items() if not values]:
         raise ArgumentError(f"args[{empty[0]!r}] is empty; give at least one number.")

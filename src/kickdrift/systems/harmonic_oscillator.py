@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import number
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.systems.system import Quantity, System, start
@@ -47,6 +48,7 @@ def harmonic_oscillator(omega: float = 1.0, x0: float = 1.0, v0: float = 0.0) ->
     >>> kd.systems.harmonic_oscillator().exact(0.0)
     (np.float64(1.0), np.float64(0.0))
     """
+    omega, x0, v0 = number("omega", omega), number("x0", x0), number("v0", v0)
     if not (math.isfinite(omega) and omega > 0):
         raise ArgumentError(f"omega={omega!r} must be positive and finite.")
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import number
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
@@ -68,12 +69,12 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     >>> bool(abs(sol.x[-1] - sol.x[0]).max() < 1e-13)
     True
     """
-    if not 0 <= eccentricity < 1:
+    e, a, mu = number("eccentricity", eccentricity), number("semi_major_axis", semi_major_axis), number("mu", mu)
+    if not 0 <= e < 1:
         raise ArgumentError(f"eccentricity={eccentricity!r} must be at least 0 and below 1; the orbit is an ellipse.")
-    for name, value in (("semi_major_axis", semi_major_axis), ("mu", mu)):
+    for name, value in (("semi_major_axis", a), ("mu", mu)):
         if not (math.isfinite(value) and value > 0):
             raise ArgumentError(f"{name}={value!r} must be positive and finite.")
-    e, a = eccentricity, semi_major_axis
     mean_motion = math.sqrt(mu / a**3)
 
     def exact(t: Floats) -> tuple[Floats, Floats]:

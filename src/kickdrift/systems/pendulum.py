@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import number
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.systems.system import Quantity, System, start
@@ -51,6 +52,7 @@ def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
     >>> bool(abs(sol.x - x).max() < 1e-11)
     True
     """
+    amplitude, omega = number("amplitude", amplitude), number("omega", omega)
     if not 0 < amplitude < math.pi:
         raise ArgumentError(f"amplitude={amplitude!r} must lie strictly between 0 and pi.")
     if not (math.isfinite(omega) and omega > 0):
