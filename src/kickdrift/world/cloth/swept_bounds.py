@@ -258,7 +258,8 @@ def is_flat(boxes: Any, m: int, n: int, o: int) -> bool:
     middle, half = (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), (0.5 * (u - x), 0.5 * (v - y), 0.5 * (w - z))
     square = dot(middle, middle)
     least = square - (abs(middle[0]) * half[0] + abs(middle[1]) * half[1] + abs(middle[2]) * half[2])
-    return least > 0.0 and least * least >= _FLAT * _FLAT * square
+    flat: bool = least > 0.0 and least * least >= _FLAT * _FLAT * square
+    return flat
 
 
 @compiled(inline=True)

@@ -208,16 +208,6 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def clear_contacts(island: int, world: int) -> None:
-    """Set the impulses of the contacts of an island to zero."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields = constraint(order[k, 0], world)
-        for i in range(CONTACT_ROWS):
-            fields[impulse_field(i) * c.WIDTH] = 0.0
-
-
-@compiled(cached=False, fast=True)
 def update_contact_states(island: int, task: int, first: bool, world: int) -> bool:
     """Assume the pieces of the laws of contacts that the current solution implies; return whether it was found with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True

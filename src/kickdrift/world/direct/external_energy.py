@@ -12,10 +12,10 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import vector_of
 from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, FIRST_CONTACT, FIRST_JOINT
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint
-from kickdrift.world.direct.node_selection import mass_of, place_in
+from kickdrift.world.direct.node_selection import mass_of, node_of, place_in
 from kickdrift.world.joints.external_work import external_work
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART, LINK_JOINT
-from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, ISLAND_JOINT, LINK, MOTION, floats, integers
+from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, ISLAND_JOINT, LINK, MOTION, NOTED, floats, integers
 
 
 @compiled(cached=False)
@@ -41,8 +41,11 @@ def energy_after_impact(island: int, energy: float, world: int) -> float:
 
 @compiled(cached=False)
 def driving_speed(island: int, world: int) -> float:
-    """Return the largest speed of other bodies at their contacts with an island, and of moving surfaces, m/s."""
-    own, order, motion = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), floats(world, MOTION)
+    """Return the largest speed of other bodies at their contacts with an island, and of moving surfaces, m/s.
+
+    Bodies of other islands count with their velocities before the solution, which may have pushed them.
+    """
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     most = 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields = constraint(order[k, 0], world)
@@ -51,6 +54,7 @@ def driving_speed(island: int, world: int) -> float:
         for side in range(2):
             body = bodies[1] if side == 1 else bodies[0]
             if place_in(island, body, world) < 0:
+                motion = floats(world, NOTED if node_of(world, body) >= 0 else MOTION)
                 reach = length(minus(arm, vector_of(fields, c.BETWEEN)) if side == 1 else arm)
                 turn = length(vector_at(motion, body, ANGULAR_PART))
                 most = max(most, length(vector_at(motion, body, LINEAR_PART)) + reach * turn)

@@ -9,14 +9,17 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, dot, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.direct.contacts import clear_contacts, note_impulses
-from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
-from kickdrift.world.direct.node_selection import body_of
+from kickdrift.world.direct.contact_impulses import forget_contacts
+from kickdrift.world.direct.contacts import note_impulses
+from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, AFTER_NODE, FIRST_CONTACT, FIRST_JOINT, FIRST_NODE
+from kickdrift.world.direct.linked_contacts import bodies_of
+from kickdrift.world.direct.node_selection import body_of, node_of, place_in
 from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED
 from kickdrift.world.layout import BODY_INERTIA, MASS
 from kickdrift.world.tables import (
     INERTIA,
     ISLAND,
+    ISLAND_CONTACT,
     ISLAND_JOINT,
     JOINT_NUMBERS,
     KICKED,
@@ -75,14 +78,16 @@ def fastest(island: int, velocities: Table, part: int, world: int) -> float:
 
 @compiled(cached=False)
 def note_velocities(island: int, world: int) -> None:
-    """Store the velocities of an island in NOTED."""
+    """Store the velocities of an island, and of bodies across its cut contacts, in NOTED."""
     _copy(island, MOTION, NOTED, world)
+    _copy_across(island, MOTION, NOTED, world)
 
 
 @compiled(cached=False)
 def take_back_velocities(island: int, world: int) -> None:
     """Restore the velocities stored in NOTED; subtracting impulses would leave rounding errors."""
     _copy(island, NOTED, MOTION, world)
+    _copy_across(island, NOTED, MOTION, world)
 
 
 @compiled(cached=False)
@@ -90,8 +95,8 @@ def begin_from_kick(island: int, world: int) -> None:
     """Restore the velocities after the kick, and set the impulses of joints and contacts to zero."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     numbers = floats(world, JOINT_NUMBERS)
+    forget_contacts(island, world)
     _copy(island, KICKED, MOTION, world)
-    clear_contacts(island, world)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         for k in range(6):
@@ -101,11 +106,26 @@ def begin_from_kick(island: int, world: int) -> None:
 @compiled(cached=False)
 def _copy(island: int, source: Table, target: Table, world: int) -> None:
     """Copy the velocities of an island from one table to another."""
-    own, old, new = integers(world, ISLAND)[island], floats(world, source), floats(world, target)
+    own = integers(world, ISLAND)[island]
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(node, world)
-        for k in range(6):
-            new[body, k] = old[body, k]
+        _copy_of(body_of(node, world), source, target, world)
+
+
+@compiled(cached=False)
+def _copy_across(island: int, source: Table, target: Table, world: int) -> None:
+    """Do the same for bodies of other islands that the contacts of this one push."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        for body in bodies_of(order[k, 0], world):
+            if place_in(island, body, world) < 0 and node_of(world, body) >= 0:
+                _copy_of(body, source, target, world)
+
+
+@compiled(inline=True, cached=False)
+def _copy_of(body: int, source: Table, target: Table, world: int) -> None:
+    old, new = floats(world, source), floats(world, target)
+    for k in range(6):
+        new[body, k] = old[body, k]
 
 
 @compiled(cached=False)
