@@ -1,4 +1,4 @@
-"""Bounds of the energy that motors and drives, kinematic bodies and moving surfaces add to an island.
+"""Bounds of the energy that motors and drives, kinematic bodies, moving surfaces and other islands add to an island.
 
 A solution with more energy than that and the initial one is spurious.
 """
@@ -13,24 +13,36 @@ from kickdrift.world.contacts.impact_motion import vector_of
 from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, FIRST_CONTACT, FIRST_JOINT
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint
 from kickdrift.world.direct.node_selection import mass_of, node_of, place_in
+from kickdrift.world.direct.velocities import energy_of
 from kickdrift.world.joints.external_work import external_work
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART, LINK_JOINT
-from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, ISLAND_JOINT, LINK, MOTION, NOTED, floats, integers
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_CONTACT,
+    ISLAND_JOINT,
+    KICKED,
+    LINK,
+    MOTION,
+    POSE,
+    Table,
+    floats,
+    integers,
+)
 
 
 @compiled(cached=False)
 def energy_given(island: int, world: int) -> float:
     """Bound the energy that contacts and joints have added to an island in the substep, J."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    total = energy_after_impact(island, 0.0, world)
+    total = energy_driven(island, 0.0, world) + energy_received(island, KICKED, world)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         total += external_work(links[order[place, 0], LINK_JOINT], world)
     return total
 
 
 @compiled(cached=False)
-def energy_after_impact(island: int, energy: float, world: int) -> float:
-    """Bound the energy of an island after an impact, J, from its energy before.
+def energy_driven(island: int, energy: float, world: int) -> float:
+    """Bound the energy of an island after an impact of bodies that it does not move, J, from its energy before.
 
     A body that is struck by a heavy one of speed u is faster by at most (1 + e) u than if it had bounced off a body at rest.
     """
@@ -40,12 +52,24 @@ def energy_after_impact(island: int, energy: float, world: int) -> float:
 
 
 @compiled(cached=False)
-def driving_speed(island: int, world: int) -> float:
-    """Return the largest speed of other bodies at their contacts with an island, and of moving surfaces, m/s.
+def energy_received(island: int, before: Table, world: int) -> float:
+    """Return the kinetic energy that bodies of other islands in contact with this one have lost since, J.
 
-    Bodies of other islands count with their velocities before the solution, which may have pushed them.
+    `before` is the table of the velocities before.
     """
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    own, order, lost = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        for body in bodies_of(order[k, 0], world):
+            if place_in(island, body, world) < 0 and node_of(world, body) >= 0:
+                less = energy_of(body, before, POSE, world) - energy_of(body, MOTION, POSE, world)
+                lost += max(less, 0.0)
+    return lost
+
+
+@compiled(cached=False)
+def driving_speed(island: int, world: int) -> float:
+    """Return the largest speed of bodies that an island does not move, at their contacts, and of moving surfaces, m/s."""
+    own, order, motion = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), floats(world, MOTION)
     most = 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields = constraint(order[k, 0], world)
@@ -53,8 +77,7 @@ def driving_speed(island: int, world: int) -> float:
         bodies, arm = bodies_of(order[k, 0], world), vector_of(fields, c.CENTRE)
         for side in range(2):
             body = bodies[1] if side == 1 else bodies[0]
-            if place_in(island, body, world) < 0:
-                motion = floats(world, NOTED if node_of(world, body) >= 0 else MOTION)
+            if node_of(world, body) < 0:
                 reach = length(minus(arm, vector_of(fields, c.BETWEEN)) if side == 1 else arm)
                 turn = length(vector_at(motion, body, ANGULAR_PART))
                 most = max(most, length(vector_at(motion, body, LINEAR_PART)) + reach * turn)
