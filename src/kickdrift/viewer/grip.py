@@ -44,12 +44,15 @@ class Grip:
     The least effective mass m of the body at the point limits both. In an explicit step h a free body has, in the direction
     in which that is the mass, v' = (1 - h C / m) v + h K / m d and d' = d - h v': for C = m / h, d shrinks by 1 - h^2 K / m,
     and so K <= m / (2 h^2). Joints and contacts only add to the effective mass, and it does not change as the body turns.
+    Where the body turns by an angle a in a step, the force no longer opposes the velocity of the point, and would drive the
+    spin of a needle: its torque is divided by 1 + a^2.
     """
 
     def __init__(self, world: World, body: Body, point: Floats, step: float) -> None:
         self._world, self.body = world, body
         self._arm = turned(body.orientation * (1.0, -1.0, -1.0, -1.0), point - body.position)
         self.target: Floats = point
+        self._step = step
         rate, mass, least = 2.0 * math.pi * _HERTZ, _joined_mass(world, body), _least_mass(body, self._arm)
         self._stiffness = min(mass * rate**2, 0.5 * least / step**2)
         self._damping = min(2.0 * mass * rate, least / step)
@@ -64,7 +67,10 @@ class Grip:
         """Apply its force during the next step."""
         point, body = self.point, self.body
         velocity = body.velocity + np.cross(body.angular_velocity, point - body.position)
-        self._world.apply_force(body, self._stiffness * (self.target - point) - self._damping * velocity, point)
+        force = self._stiffness * (self.target - point) - self._damping * velocity
+        turn = self._step * float(np.linalg.norm(body.angular_velocity))
+        self._world.apply_force(body, force)
+        self._world.apply_torque(body, np.cross(point - body.position, force) / (1.0 + turn * turn))
 
 
 def _least_mass(body: Body, arm: Floats) -> float:
