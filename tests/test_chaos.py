@@ -111,6 +111,14 @@ def test_the_standard_map_stretches_by_half_its_parameter_in_each_step():
     assert found.values.sum() == pytest.approx(0.0, abs=1e-3)
 
 
+def test_displacements_at_a_fixed_point_may_outgrow_all_numbers_in_twenty_steps():
+    found = analysis.lyapunov_exponent(
+        lambda x: 40.0 * x**3 + 3.0 * x, (0.0, 200.0), 0.0, 0.0, step=1.0, method="kick-drift", compile=False
+    )
+    # Of v' = v + 3 x, x' = x + v': the larger eigenvalue of [[1, 3], [1, 4]]
+    assert found.values[0] == pytest.approx(math.log((5.0 + math.sqrt(21.0)) / 2.0), abs=1e-3)
+
+
 def test_friction_takes_from_the_sum():
     found = analysis.lyapunov_exponent(
         lambda x, v: -x - 0.3 * v, (0.0, 100.0), 1.0, 0.0, step=0.1, method="gauss-4", count=2, compile=False

@@ -127,6 +127,8 @@ def test_solvers_are_scipys_and_named():
         (lambda t, y: [y[1], -y[0] - 0.1 * y[1]], START, {"step": 0.1}, "v' depends on v"),
         (lambda t, y: [y[1] + y[0], -y[0]], START, {"step": 0.1}, "x' depends on x"),
         (lambda t, y: [y[1], -y[0] * y[1]], [0.0, 1.0], {"step": 0.1}, "v' depends on v"),  # though not at the start
+        (lambda t, y: [y[1], -y[0] - t * y[1]], START, {"step": 0.1}, "v' depends on v"),
+        (lambda t, y: [*y[2:], y[3] - y[2], y[2] - y[3]], [1.0, 0.0, 0.0, 0.0], {"step": 0.1}, "v' depends on v"),
         (Reused(), START, {"step": 0.1}, "v' depends on v"),
         (lambda t, y: [y[1]], START, {"step": 0.1}, r"returned an array of shape \(1,\), but y0 has 2 numbers"),
     ],
@@ -143,7 +145,7 @@ def test_methods_for_linear_drifts_refuse_others_from_rest():
 
 @pytest.mark.parametrize("end", [np.inf, np.nan])
 def test_ends_are_finite(end):
-    with pytest.raises(ArgumentError, match="t_bound must be finite"):
+    with pytest.raises(ArgumentError, match="must be finite"):
         ks.StormerVerlet(driven, 0.0, START, end, step=0.1)
 
 

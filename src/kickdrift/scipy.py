@@ -21,7 +21,8 @@ from kickdrift.methods import Kind, Letter, Method
 
 Floats = NDArray[np.float64]
 
-_TRIED = 1e-3  # of its size, by which v is changed to see whether v' depends on it, and x likewise
+_TRIED = 1e-3  # of its size, by which v is changed to see whether v' depends on it, and x likewise; and of the span
+_UNEVEN = 0.6180339887498949  # the golden ratio: the fractions of its multiples all differ
 
 
 class SplittingSolver(OdeSolver):
@@ -67,17 +68,19 @@ class SplittingSolver(OdeSolver):
         if self.n % 2:
             raise ArgumentError(f"y0 has {self.n} numbers; give positions and as many velocities, [x, v].")
         self._half = self.n // 2
+        self._steps = _count(step, t0, t_bound)
         self._check_halves()
-        self._steps = _count(step, abs(t_bound - t0))
         self._t0, self._h, self._done = t0, (t_bound - t0) / self._steps, 0
         self.h_abs = abs(self._h)
 
     def _check_halves(self) -> None:
         """Check that each half's rate depends on the other half alone, and that x' is linear in v where the method needs it.
 
-        Near the start, and not at it, where what multiplies a half may be zero.
+        Shortly after the start, and at unequal distances from it: factors of a half may be zero there, such as a time or the
+        difference of two numbers.
         """
-        n, y, wrong = self._half, self.y + _TRIED * (1.0 + np.abs(self.y)), ""
+        unequal = 1.0 + np.modf(_UNEVEN * np.arange(self.n))[0]
+        n, y, wrong = self._half, self.y + _TRIED * unequal * (1.0 + np.abs(self.y)), ""
         rate = self._rates(y)
         for own, what in ((np.s_[:n], "x' depends on x"), (np.s_[n:], "v' depends on v")):
             changed = y.copy()
@@ -98,8 +101,8 @@ class SplittingSolver(OdeSolver):
             )
 
     def _rates(self, y: Floats) -> Floats:
-        """Return a copy of the rates at the start's time; `fun` may return the same array again."""
-        rates = np.array(self.fun(self.t, y), dtype=float)
+        """Return a copy of the rates shortly after the start; `fun` may return the same array again."""
+        rates = np.array(self.fun(self.t + _TRIED * (self.t_bound - self.t), y), dtype=float)
         if rates.shape != y.shape:
             raise ArgumentError(
                 f"fun returned an array of shape {rates.shape}, but y0 has {self.n} numbers; return [x', v']."
@@ -146,13 +149,16 @@ class _Between(DenseOutput):
         return self._y if t == self.t else self._moved(self.t_old, self._y_old, t - self.t_old)
 
 
-def _count(step: Any, length: float) -> int:
+def _count(step: Any, t0: float, t_bound: float) -> int:
     try:
         size = real(step)
     except TypeError:
         size = math.nan
+    length = abs(t_bound - t0)
     if not math.isfinite(length):
-        raise ArgumentError("t_bound must be finite, since a whole number of equal steps leads to it.")
+        raise ArgumentError(
+            f"t0={t0!r} and t_bound={t_bound!r} must be finite, since a whole number of equal steps lies between them."
+        )
     if not 0.0 < size < math.inf:
         raise ArgumentError(f"step={step!r} must be positive and finite: solve_ivp(..., method=..., step=0.01).")
     return max(1, math.ceil(length / size * (1.0 - 1e-12)))

@@ -115,8 +115,15 @@ def lyapunov_exponent(
     while done < n_steps:
         now = min(stretch, n_steps - done)
         moved = lengths * directions.T
-        rows = steps.advance(begin + done * h, np.concatenate((state[None], state + moved, state - moved)), now)
-        grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
+        try:
+            rows = steps.advance(begin + done * h, np.concatenate((state[None], state + moved, state - moved)), now)
+        except KickdriftError:  # displacements may have grown beyond all numbers
+            if now == 1:
+                raise
+            stretch = now // 2
+            continue
+        with np.errstate(over="ignore"):
+            grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
         if not np.isfinite(grown).all():
             raise KickdriftError(f"the state is not finite at t={begin + (done + now) * h!r}; use a smaller step.")
         turned, triangle = np.linalg.qr(grown.T)

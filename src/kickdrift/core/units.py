@@ -14,7 +14,9 @@ _LIBRARIES = ("astropy", "pint")
 
 
 def has_unit(value: Any) -> bool:
-    """Whether a value is a quantity, or a list or tuple that holds one."""
+    """Whether a value is a quantity, or a list, a tuple or an array of objects that holds one."""
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        return has_unit(value.ravel().tolist())
     if isinstance(value, list | tuple):
         return any(has_unit(member) for member in value)
     known = type(value).__module__.partition(".")[0] in _LIBRARIES

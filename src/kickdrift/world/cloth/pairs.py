@@ -105,10 +105,11 @@ def _drop_pairs(world: int) -> None:
             continue
         if pair[row, PAIR_KIND] == CROSSING:
             tangle(world, f, g)
-        for k in range(CLOTH_PAIR.width if count < row else 0):
-            pair[count, k] = pair[row, k]
-        for k in range(CLOTH_PAIR_NUMBERS.width if count < row else 0):
-            numbers[count, k] = numbers[row, k]
+        if count < row:
+            for k in range(CLOTH_PAIR.width):
+                pair[count, k] = pair[row, k]
+            for k in range(CLOTH_PAIR_NUMBERS.width):
+                numbers[count, k] = numbers[row, k]
         count += 1
     set_rows(world, CLOTH_PAIR, count)
 

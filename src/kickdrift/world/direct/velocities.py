@@ -113,7 +113,7 @@ def _copy(island: int, source: Table, target: Table, world: int) -> None:
 
 @compiled(cached=False)
 def _copy_across(island: int, source: Table, target: Table, world: int) -> None:
-    """Do the same for bodies of other islands that the contacts of this one push."""
+    """Copy the velocities of bodies of other islands that the contacts of an island push."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         for body in bodies_of(order[k, 0], world):
@@ -123,6 +123,7 @@ def _copy_across(island: int, source: Table, target: Table, world: int) -> None:
 
 @compiled(inline=True, cached=False)
 def _copy_of(body: int, source: Table, target: Table, world: int) -> None:
+    """Copy the velocities of a body."""
     old, new = floats(world, source), floats(world, target)
     for k in range(6):
         new[body, k] = old[body, k]
