@@ -117,13 +117,15 @@ def lyapunov_exponent(
         moved = lengths * directions.T
         try:
             rows = steps.advance(begin + done * h, np.concatenate((state[None], state + moved, state - moved)), now)
-        except KickdriftError:  # displacements may have grown beyond all numbers
+        except KickdriftError:
             if now == 1:
                 raise
+            steps.advance(
+                begin + done * h, state[None], now
+            )  # fails if it was the state, and not a displacement, that overflowed
             stretch = now // 2
             continue
-        with np.errstate(over="ignore"):
-            grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
+        grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
         if not np.isfinite(grown).all():
             raise KickdriftError(f"the state is not finite at t={begin + (done + now) * h!r}; use a smaller step.")
         turned, triangle = np.linalg.qr(grown.T)
