@@ -33,7 +33,16 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.sleeping import REACH
-from kickdrift.world.step.status import BEGIN_AGAIN, LEFT_UNSOLVED, NEEDS_DIRECT_SOLVER, OK, REPEATED, STATUS, WARNING
+from kickdrift.world.step.status import (
+    BEGIN_AGAIN,
+    HALVINGS,
+    LEFT_UNSOLVED,
+    NEEDS_DIRECT_SOLVER,
+    OK,
+    REPEATED,
+    STATUS,
+    WARNING,
+)
 from kickdrift.world.tables import (
     BATCH,
     BODY,
@@ -217,8 +226,13 @@ def count_unsolved(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _count_left(row: int, t: float, h: float, world: int) -> None:
-    """Count how long a resting body, slower than its weight makes it in a step, is left unsolved; report it after too long."""
+    """Count how long a resting body, slower than its weight makes it in a step, is left unsolved; report it after too long.
+
+    Only whole steps are counted: parts are shorter, and may be many.
+    """
     body = integers(world, BODY)
+    if integers(world, STEP_STATUS)[0, HALVINGS] != 0:
+        return
     v, gained = vector_at(floats(world, MOTION), row, 0), h * weight_per_mass(world, row)
     rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < gained * gained
     if body[row, UNSOLVED] & LEFT == 0 or not rests:
