@@ -120,9 +120,8 @@ def lyapunov_exponent(
         except KickdriftError:
             if now == 1:
                 raise
-            steps.advance(
-                begin + done * h, state[None], now
-            )  # fails if it was the state, and not a displacement, that overflowed
+            # Fails, too, if it was the state that overflowed, and not a displacement.
+            steps.advance(begin + done * h, state[None], now)
             stretch = now // 2
             continue
         grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)

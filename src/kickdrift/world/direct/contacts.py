@@ -46,7 +46,7 @@ from kickdrift.world.direct.layout import (
     WRENCH,
 )
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row
-from kickdrift.world.direct.node_selection import mass_of, node_of, place_in
+from kickdrift.world.direct.node_selection import is_across, mass_of, place_in
 from kickdrift.world.direct.wrenches import along
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, SETTINGS, Table, floats, integers
@@ -99,7 +99,7 @@ def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> 
     for side in range(2):
         body = b if side == 1 else a
         numbers[NODES + side] = place_in(island, body, world)
-        if numbers[NODES + side] < 0.0 and node_of(world, body) >= 0:
+        if is_across(island, body, world):
             numbers[CUT] = 1.0 + side
     presses, lever, returned = _begin_points(own, numbers, velocity, change, a, b, h, task, world)
     _begin_friction(own, numbers, velocity, a, b, task, presses, lever, returned, world)

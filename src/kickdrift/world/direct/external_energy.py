@@ -12,7 +12,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import vector_of
 from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, FIRST_CONTACT, FIRST_JOINT
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint
-from kickdrift.world.direct.node_selection import mass_of, node_of, place_in
+from kickdrift.world.direct.node_selection import is_across, mass_of, node_of
 from kickdrift.world.direct.velocities import energy_of
 from kickdrift.world.joints.external_work import external_work
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART, LINK_JOINT
@@ -60,7 +60,7 @@ def energy_received(island: int, before: Table, world: int) -> float:
     own, order, lost = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         for body in bodies_of(order[k, 0], world):
-            if place_in(island, body, world) < 0 and node_of(world, body) >= 0:
+            if is_across(island, body, world):
                 less = energy_of(body, before, POSE, world) - energy_of(body, MOTION, POSE, world)
                 lost += max(less, 0.0)
     return lost

@@ -145,6 +145,12 @@ def place_in(island: int, body: int, world: int) -> int:
     return place if place >= 0 and integers(world, NODE)[place, NODE_ISLAND] == island else -1
 
 
+@compiled(cached=False)
+def is_across(island: int, body: int, world: int) -> bool:
+    """Whether a body at a contact of an island belongs to another one."""
+    return place_in(island, body, world) < 0 and node_of(world, body) >= 0
+
+
 @compiled(inline=True)
 def body_of(node: int, world: int) -> int:
     """Return the body of a node."""

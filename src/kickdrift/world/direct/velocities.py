@@ -13,7 +13,7 @@ from kickdrift.world.direct.contact_impulses import forget_contacts
 from kickdrift.world.direct.contacts import note_impulses
 from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, AFTER_NODE, FIRST_CONTACT, FIRST_JOINT, FIRST_NODE
 from kickdrift.world.direct.linked_contacts import bodies_of
-from kickdrift.world.direct.node_selection import body_of, node_of, place_in
+from kickdrift.world.direct.node_selection import body_of, is_across
 from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED
 from kickdrift.world.layout import BODY_INERTIA, MASS
 from kickdrift.world.tables import (
@@ -117,7 +117,7 @@ def _copy_across(island: int, source: Table, target: Table, world: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         for body in bodies_of(order[k, 0], world):
-            if place_in(island, body, world) < 0 and node_of(world, body) >= 0:
+            if is_across(island, body, world):
                 _copy_of(body, source, target, world)
 
 
