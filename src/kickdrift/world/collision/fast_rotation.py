@@ -40,9 +40,9 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# In a substep: turn, rad, and change of the angular velocity relative to it. Of 1650 bodies thrown at the ground with 30 to 1600
-# rad/s, none gains 1e-5 of its energy; with 1 and 0.3 the worst gains 1.3e-5, with 1.5 and 0.3 one gains two thirds, and with 1
-# and 1 nine gain more than 1 %.
+# In a substep: turn, rad, and change of the angular velocity relative to it. Of 1650 bodies thrown at the ground with 30 to
+# 1600 rad/s, none gains 1e-5 of its energy; with 1 and 0.3 the worst gains 1.3e-5, with 1.5 and 0.3 one gains two thirds, and
+# with 1 and 1 nine gain more than 1 %.
 _TURN = 0.6
 _CHANGE = 0.1
 
