@@ -488,9 +488,9 @@ def made(size):
         force[1, 2] += size
     return pull
 names = []
-with told_of_compiling(lambda: names.append(1)):
-    world = kd.World()
-    world.add_force(made(float(sys.argv[1])))
+told_of_compiling.set(lambda: names.append(1))
+world = kd.World()
+world.add_force(made(float(sys.argv[1])))
 print(len(names))
 """
     script = tmp_path / "script.py"

@@ -25,6 +25,8 @@ def reals(value: Any) -> Floats:
     """
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value.copy()
+    if type(value) is float:
+        return np.array(value)
     if has_unit(value):
         raise TypeError("it has a unit, which would be lost")
     if np.ma.is_masked(value):

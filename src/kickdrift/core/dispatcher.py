@@ -21,6 +21,9 @@ from kickdrift.core.llvm_builder import calling
 
 Function = Callable[..., Any]
 
+told_of_compiling: ContextVar[Function | None] = ContextVar("told_of_compiling", default=None)
+"""What is called whenever a function is compiled."""
+
 
 class _Flags(Flags):  # type: ignore[misc]
     """Compiler flags with a fast comparison: Numba uses them as keys of its caches, for each operation."""
@@ -41,7 +44,7 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
     """Compiles functions to parts, with which callers are linked; parallel loops, which need code that runs, as Numba does."""
 
     def _compile_core(self, args: Any, return_type: Any) -> Any:
-        if (tell := _told.get()) is not None:
+        if (tell := told_of_compiling.get()) is not None:
             tell()
         if self.targetoptions["parallel"]:
             return super()._compile_core(args, return_type)
@@ -197,16 +200,3 @@ def no_collector() -> Iterator[None]:
     finally:
         if collects:
             gc.enable()
-
-
-_told: ContextVar[Function | None] = ContextVar("_told", default=None)
-
-
-@contextmanager
-def told_of_compiling(tell: Function) -> Iterator[None]:
-    """Call `tell` whenever a function is compiled."""
-    before = _told.set(tell)
-    try:
-        yield
-    finally:
-        _told.reset(before)

@@ -6,8 +6,7 @@ They are printed in pipes and notebooks, too: silent waiting looks like a hang.
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from contextvars import ContextVar
 
 from kickdrift.core.dispatcher import told_of_compiling
@@ -15,8 +14,9 @@ from kickdrift.core.dispatcher import told_of_compiling
 _A_MOMENT = 1.0  # s; loading compiled code from disk takes 0.3
 
 
-@contextmanager
-def compiling_announced(wanted: bool | None = None, what: str = "", seconds: float = 0.0) -> Iterator[None]:
+def compiling_announced(
+    wanted: bool | None = None, what: str = "", seconds: float = 0.0
+) -> AbstractContextManager[object]:
     """Announce compilation in a block that takes longer than a moment, unless `wanted` is False.
 
     Of nested blocks the outermost prints the messages, if they are wanted there.
@@ -30,19 +30,9 @@ def compiling_announced(wanted: bool | None = None, what: str = "", seconds: flo
         Estimate of the time that this takes; if it is longer than a moment, it is announced at once.
     """
     around = _around.get()
-    if around is not None:
-        around.expect(what, seconds)
-        yield
-        return
-    wait = _Wait(wanted is not False)
-    token = _around.set(wait)
-    try:
-        with told_of_compiling(wait.begin):
-            wait.expect(what, seconds)
-            yield
-    finally:
-        _around.reset(token)
-        wait.end()
+    wait = _Wait(wanted is not False) if around is None else around
+    wait.expect(what, seconds)
+    return wait if around is None else nullcontext()
 
 
 class _Wait:
@@ -51,6 +41,15 @@ class _Wait:
     def __init__(self, wanted: bool) -> None:
         self._wanted, self._said, self._started = wanted, False, 0.0
         self._timer: threading.Timer | None = None
+
+    def __enter__(self) -> None:
+        self._tokens = _around.set(self), told_of_compiling.set(self.begin)
+
+    def __exit__(self, *raised: object) -> None:
+        around, told = self._tokens
+        told_of_compiling.reset(told)
+        _around.reset(around)
+        self.end()
 
     def expect(self, what: str, seconds: float) -> None:
         """Announce something that is expected to take some time."""

@@ -135,10 +135,10 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
     callees: dict[str, Taken] = {}
     for name, value in (*_values(python, names), *_defaults(python)):
         fixed = name in names.inner or (name in names.exponents and _makes_roots_and_products(value))
-        if isinstance(value, CPUDispatcher) and _name_in_library(value) is None:
-            callees[name] = _taken_apart(value, around, free and _is_simply_called(name, value, names))
-        elif free and not fixed and _is_number(value):
+        if free and not fixed and _is_number(value):
             numbers[name] = value
+        elif isinstance(value, CPUDispatcher) and _name_in_library(value) is None:
+            callees[name] = _taken_apart(value, around, free and _is_simply_called(name, value, names))
         else:
             constants[name] = value
     for name, callee in callees.items():
@@ -147,7 +147,7 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
         raise CannotTellError  # one of the function's own names equals that of a callee's number
     described = tuple((name, _constant(value, names, around)) for name, value in sorted(constants.items()))
     called = tuple((name, callee.key) for name, callee in sorted(callees.items()))
-    shapes = tuple((name, np.shape(value)) for name, value in sorted(numbers.items()))
+    shapes = tuple((name, shape_of(value)) for name, value in sorted(numbers.items()))
     return Taken((names.digest, options, described, called, shapes), function, numbers, constants, callees)
 
 
@@ -176,6 +176,11 @@ def _is_number(value: Any) -> bool:
         and value.size > 0
         and value.flags.c_contiguous
     )
+
+
+def shape_of(number: float | NDArray[np.float64]) -> tuple[int, ...]:
+    """Return the shape of one of the `Taken.numbers`; `np.shape` makes an array of a float, at 2 us."""
+    return number.shape if isinstance(number, np.ndarray) else ()
 
 
 def _makes_roots_and_products(value: Any) -> bool:

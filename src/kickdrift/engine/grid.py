@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -50,7 +51,7 @@ class Grid:
 
     def rows_after(self, step: int) -> NDArray[np.int64]:
         """Return the steps up to `step` after which rows are kept by a run that ends there or later."""
-        steps = self.save_steps[: int(np.searchsorted(self.save_steps, step, side="right"))]
+        steps = self.save_steps[: int(self.save_steps.searchsorted(step, side="right"))]
         return steps if self.every is None or not steps.size or steps[-1] % self.every == 0 else steps[:-1]
 
 
@@ -131,10 +132,10 @@ def lay_grid(
     length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
     # A quotient that exceeds a whole number by a few roundings is that number: 1.1 / 0.1 = 11.000000000000002. The length
     # contains the rounding of the times: 20.1 - 20 = 0.10000000000000142.
-    rounding = np.finfo(float).eps * (8 + 4 * (farthest / length))
+    rounding = sys.float_info.epsilon * (8 + 4 * (farthest / length))
     largest = _largest_step(step, length, rounding)
     n_steps = max(1, math.ceil(length / largest * (1 - rounding)))
-    if length / n_steps < 4 * np.spacing(farthest):
+    if length / n_steps < 4 * math.ulp(farthest):
         raise ArgumentError(
             f"step={step!r} is lost to rounding beside times of {farthest!r}; shift the origin of time closer."
         )

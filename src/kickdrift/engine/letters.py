@@ -68,14 +68,15 @@ def _inlined(system: System, known: Flow) -> tuple[str, ...]:
     return known.inlined if system.packaged or system.x0.size <= _SMALL else ()
 
 
-def build(name: str, system: System, program: Program, compensated: bool, scratch: Any) -> Function:
-    """Bind the flow `name` to a system: compiled if the system is native, otherwise for the interpreter.
+def build(
+    name: str, system: System, program: Program, functions: dict[str, Function], compensated: bool, scratch: Any
+) -> Function:
+    """Bind the flow `name` to a system and its `functions`: compiled if it is native, otherwise for the interpreter.
 
     Only the interpreter needs `scratch`. A system's own kick does not keep the acceleration, so it is used only where that is
     not used again.
     """
     n = system.x0.size
-    functions = functions_of(system, program)
     known = FLOWS[name]
     constants: dict[str, int] = {}
     if known.constants is not None:

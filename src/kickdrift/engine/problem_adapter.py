@@ -2,8 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, cast
@@ -153,15 +153,15 @@ class Adapter:
         self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None
     ) -> None:
         """Call a function at the start, so that its faults are errors before any work is done."""
-        x, v = self.x0.reshape(-1), self.v0.reshape(-1)
+        x, v, params = self.x0.reshape(-1), self.v0.reshape(-1), self.args
         size = x.size if shape is None else math.prod(shape)
-        out, other = np.zeros(size), np.ones(size)
+        out, other = np.zeros(size), np.ones(size) if "out" in names else None
         second = np.zeros(1) if "i" in names else v
-        name, given = f"{role}, {name_of(original)},", [x.copy(), second.copy(), self.args.copy()]
+        name, given = f"{role}, {name_of(original)},", [x.copy(), second.copy(), params.copy()]
         try:
             with np.errstate(all="ignore"), _complex_refused(function):
                 function(self.t0, *given, out)
-                if "out" in names:
+                if other is not None:
                     function(self.t0, *given, other)
         except KickdriftError:
             raise
@@ -176,24 +176,20 @@ class Adapter:
                 f"{name} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
                 f" {str(error).rstrip('.')}. It must return {wanted}."
             ) from error
-        if "out" in names and out.tobytes() != other.tobytes() and not np.array_equal(out, other, equal_nan=True):
+        if other is not None and out.tobytes() != other.tobytes() and not np.array_equal(out, other, equal_nan=True):
             raise ArgumentError(
                 f"{name} leaves elements of `out` unchanged, or adds to them; it must overwrite all of them."
             )
-        for label, kept, array in zip(("x", "v", "params"), (x, second, self.args), given, strict=True):
+        for label, kept, array in zip(("x", "v", "params"), (x, second, params), given, strict=True):
             if kept.tobytes() != array.tobytes():
                 raise ArgumentError(f"{name} modifies {label}; work on a copy.")
 
 
-@contextmanager
-def _complex_refused(function: Function) -> Iterator[None]:
+def _complex_refused(function: Function) -> AbstractContextManager[object]:
     """Raise where a function for the interpreter writes complex numbers to `out`, whose imaginary parts NumPy drops."""
     if hasattr(function, "py_func"):
-        yield
-        return
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", np.exceptions.ComplexWarning)
-        yield
+        return nullcontext()
+    return warnings.catch_warnings(action="error", category=np.exceptions.ComplexWarning)
 
 
 def bind(template: Function, **bindings: Function | int) -> Function:

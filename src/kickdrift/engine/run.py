@@ -131,13 +131,13 @@ class Run:
             self._watch.go_on(standing.seen, self.rows.grid.step, t, self._state.x.copy(), self._state.v.copy())
 
     def standing(self, beyond_the_stop: bool = False) -> Standing:
-        """Return the state of the run, and whether the event that ended it, if one did, is not to end it again."""
+        """Return the state of the run, not a copy, and whether the event that ended it, if one did, is not to end it again."""
         good, seen = self._checkpoint, None
         if self._watch is not None:
             beyond = self._stop.t if beyond_the_stop and self._stop is not None else None
             seen = self._watch.seen(self.rows.time(good.step), _NEAR * abs(self.rows.grid.step), beyond)
         return Standing(
-            self._state.copy(), good.step, good.mark, self.rows.kept(good.step, good.mark), self._seconds, seen
+            self._state.at_rest(), good.step, good.mark, self.rows.kept(good.step, good.mark), self._seconds, seen
         )
 
     def drain(self, rows: StreamedRows) -> None:
@@ -156,7 +156,8 @@ class Run:
         """
         began, failure = time.perf_counter(), None
         try:
-            failure = self._begin() or self._do_chunks(bar, started, until)
+            with np.errstate(all="ignore"):  # states that are not finite are an outcome, as in compiled code
+                failure = self._begin() or self._do_chunks(bar, started, until)
         except KeyboardInterrupt:
             # It may have come in the middle of a chunk, or between its end and the note of it.
             failure = Outcome.INTERRUPTED, ""

@@ -83,8 +83,10 @@ def parameters(args: Sequence[float] | None) -> Floats:
     ArgumentError
         For anything but a flat list of finite numbers.
     """
+    if args is None:
+        return np.zeros(0)
     try:
-        params = np.atleast_1d(reals(() if args is None else args))
+        params = np.atleast_1d(reals(args))
     except TypeError as error:
         raise ArgumentError(
             f"args={args!r} must be numbers ({error}); the function gets them as the float array params."

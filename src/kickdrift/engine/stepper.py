@@ -58,6 +58,11 @@ class State:
         into._take(self)
         return into
 
+    def at_rest(self) -> "State":
+        """Return the state, for a run that does not go on, with the scratch only if something is kept there."""
+        scratch = self.scratch if self.work[FORMED] else np.zeros(0)
+        return State(self.x, self.v, self.work, scratch, self.kept)
+
     def restore(self, other: "State") -> None:
         """Restore a copy, in place."""
         if other is self:
@@ -135,12 +140,9 @@ class Stepper:
         """Do variable steps; see `kickdrift.engine.loop.advance_adaptively`."""
         program, state = self.program, (self._members, self.state.x, self.state.v, self.state.work)
         word = (program.letters, program.weights, program.ticks, program.ticks_of_v, program.sees_v_clock)
-        with np.errstate(all="ignore"):
-            return int(
-                self._loops.advance_adaptively(
-                    self._flows, *word, last, *state, stride, wanted, marks, ts, sizes, xs, vs
-                )
-            )
+        return int(
+            self._loops.advance_adaptively(self._flows, *word, last, *state, stride, wanted, marks, ts, sizes, xs, vs)
+        )
 
     def prime(self) -> None:
         """Run the primers, which prepare the memory of the flows for the first step."""
@@ -159,10 +161,9 @@ class Stepper:
         vs: Floats,
     ) -> tuple[int, int]:
         state = (self._members, self.state.x, self.state.v, self.state.work)
-        with np.errstate(all="ignore"):  # states that are not finite are an outcome, as in compiled code
-            return self._loops.advance(  # type: ignore[no-any-return]
-                self._flows, *word, self.t0, h, first, last, *state, save_steps, saved, xs, vs
-            )
+        return self._loops.advance(  # type: ignore[no-any-return]
+            self._flows, *word, self.t0, h, first, last, *state, save_steps, saved, xs, vs
+        )
 
     def change(
         self,
@@ -243,7 +244,7 @@ def compile_program(
     work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
     if controller is not None:
         controller.prepare(work, x.size, estimates, grid.t0, grid.t1, grid.step)
-    built = [letters.build(name, system, program, compensated, scratch) for name in names]
+    built = [letters.build(name, system, program, functions, compensated, scratch) for name in names]
     state, members = State(x, v, work, scratch, _kept(names, x.size, compensated)), (x, v, params, work)
     if not system.native:
         return Stepper(program, grid.t0, grid.step, state, estimates, built, members, _INTERPRETED, ())

@@ -12,6 +12,8 @@ from kickdrift.engine.solution import Solution
 from kickdrift.systems.system import System
 from kickdrift.systems.units import Units
 
+_NONE = Units()
+
 
 @dataclass(frozen=True)
 class Entered:
@@ -35,7 +37,7 @@ class Entered:
 
     def leave(self, solution: Solution) -> Solution:
         """Attach units to a solution, if there are any."""
-        if self.outside == Units():
+        if self.outside == _NONE:
             return solution
         return UnitSolution.of(solution, self.inside, self.outside)
 
@@ -53,7 +55,7 @@ def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -
     """
     own = getattr(problem, "quantity_units", None) if isinstance(problem, System) else None
     if own is None and not units.any_has_unit((t_span, x0, v0, step, t_eval)):
-        return Entered(t_span, x0, v0, step, t_eval, Units(), Units())
+        return Entered(t_span, x0, v0, step, t_eval, _NONE, _NONE)
     if isinstance(problem, System) and own is None:
         raise ArgumentError(
             f"{problem.name!r} has numbers without units; give plain numbers, or create the system from quantities, as"

@@ -19,7 +19,7 @@ from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError, InterpretedWarning, depth_of_caller
 from kickdrift.core.memory import read_only
 from kickdrift.engine.flows.layout import FLAT, call_flat
-from kickdrift.engine.function_key import Taken, taken_apart
+from kickdrift.engine.function_key import Taken, shape_of, taken_apart
 from kickdrift.engine.results import returned, write_result
 from kickdrift.systems.problem import name_of
 
@@ -158,7 +158,8 @@ def number_views(numbers: Mapping[str, Any], array: str, first: int) -> dict[str
     """Return the source of views of a function's numbers, from `first` on in an array, see `Taken.numbers`."""
     views, at = {}, first
     for name, value in numbers.items():
-        shape, size = np.shape(value), np.size(value)
+        shape = shape_of(value)
+        size = math.prod(shape)
         views[name] = f"read_only(shaped({array}[{at}:{at + size}], {shape}))" if shape else f"{array}[{at}]"
         at += size
     return views
@@ -166,7 +167,7 @@ def number_views(numbers: Mapping[str, Any], array: str, first: int) -> dict[str
 
 def in_a_row(numbers: Mapping[str, Any]) -> Floats:
     """Return a function's numbers in the order of `number_views`."""
-    values = [np.ravel(value) for value in numbers.values()]
+    values = [np.ravel(value) if shape_of(value) else (value,) for value in numbers.values()]
     return np.concatenate(values) if values else _NONE
 
 
