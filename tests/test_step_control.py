@@ -1,6 +1,7 @@
 """Steps whose sizes vary: reversible by a density, in a time of their own, by their error."""
 
 import json
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -417,6 +418,29 @@ def test_a_singularity_ends_steps_by_their_error():
     sol = kd.solve(lambda x: -1 / x**2, (0, 10.0), [1.0], [0.0], rtol=1e-8, atol=1e-10, method="velocity-verlet")
     assert sol.status in (Outcome.NO_STEP, Outcome.NOT_FINITE)
     assert sol.t[-1] == pytest.approx(np.pi / np.sqrt(8), abs=1e-4)
+
+
+@pytest.mark.parametrize("control", [None, kd.HairerSoderlind(), kd.HuangLeimkuhler(), kd.TimeTransformed()], ids=_ids)
+def test_a_motion_that_goes_to_infinity_ends_the_run_there(control):
+    """x'' = 5 x^3 from rest at 1 does so at t = K(1/2) / sqrt(5), with the parameter 1/2 of the elliptic integral."""
+    options = {"rtol": 1e-9, "atol": 1e-9} if control is None else {"step": 1e-2, "step_control": control}
+    sol = kd.solve(lambda x: 5 * x**3, (0, 10.0), 1.0, 0.0, method="velocity-verlet", save_every=10**7, **options)
+    assert sol.status is Outcome.NO_STEP
+    assert sol.t[-1] == pytest.approx(1.8540746773013719 / np.sqrt(5), abs=1e-3)
+    assert sol.x[-1] > 1e5
+    assert "goes to infinity" in sol.message
+
+
+def test_steps_lost_beside_the_time_in_a_close_encounter_end_no_run():
+    start, fastest = [2.0, 0.0], np.sqrt(5e-9)  # eccentricity of 1 - 1e-8
+    sol = kd.solve(
+        lambda x: -x / np.linalg.norm(x) ** 3, (0, 20.0), start, [0.0, fastest], step=1e-3, step_control="distance"
+    )
+    assert sol.success
+    assert sol.step_range[0] < np.spacing(1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.isfinite(sol(np.linspace(0, 20, 100)).x).all()
 
 
 def test_a_function_that_fails_later_keeps_what_is_done():

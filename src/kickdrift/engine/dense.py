@@ -132,7 +132,7 @@ class DenseOutput:
         farthest = max(abs(self.t[0]), abs(self.end))
         near = _ROUNDING * np.abs(self.steps) + _SPACINGS * np.spacing(farthest)
         row = np.searchsorted(sign * self.t - near, sign * wanted, side="right") - 1
-        ahead, rounding = (wanted - self.t[row]) / self.steps[row], (near / np.abs(self.steps))[row]
+        ahead, rounding = (wanted - self.t[row]) / self.steps[row], near[row] / np.abs(self.steps[row])
         counts = np.floor(ahead + rounding).astype(np.int64)
         left = ahead - counts
         rest = np.where(left > rounding, left * self.steps[row], 0.0)

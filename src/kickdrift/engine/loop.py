@@ -16,10 +16,13 @@ from kickdrift.engine.flows.layout import (
     EVALUATIONS,
     FIRST_STEP,
     LARGEST,
+    LOST_STEPS,
+    LOST_TO_ROUNDING,
     REJECTED,
     SMALLEST,
     TROUBLE,
     at_end,
+    is_lost,
     move_clock,
     own_params,
 )
@@ -56,6 +59,8 @@ CHANGE = types.none(
     _ROWS,
     _ROWS,
 )
+
+_MOST_LOST = 1_000_000  # steps in a row lost to rounding, and no more than the others before: see `advance_adaptively`
 
 ACCEPTED, TRIALS, ROWS, WANTED = range(4)
 """Counters of adaptive steps: steps taken, steps tried, rows filled, and wanted times passed."""
@@ -130,6 +135,10 @@ def advance_adaptively(
     The state before a step, its time and its size are kept in a row for one step in `stride` (for the first alone if that is
     0), and for each step that passes one of the `wanted` times, of which the end is the last.
 
+    Where the motion goes to infinity in a finite time, steps get shorter for ever. They are also lost to rounding beside the
+    time in a close encounter, yet those are legitimate, and fewer than the steps that lead there: 3 of 26 million on an orbit
+    of eccentricity 1 - 1e-8.
+
     Returns
     -------
     steps : int
@@ -153,10 +162,15 @@ def advance_adaptively(
             break
         if work[REJECTED] != 0.0:
             continue
+        size = work[CLOCK] - ts[row]
+        work[LOST_STEPS] = work[LOST_STEPS] + 1.0 if is_lost(size, work) else 0.0
+        if work[LOST_STEPS] > max(_MOST_LOST, 0.5 * marks[ACCEPTED]):
+            work[TROUBLE] = LOST_TO_ROUNDING
+            break
         kept = marks[ACCEPTED] % stride == 0 if stride > 0 else marks[ACCEPTED] == 0
         marks[ACCEPTED] += 1
-        sizes[row] = work[CLOCK] - ts[row]
-        work[SMALLEST], work[LARGEST] = min(work[SMALLEST], abs(sizes[row])), max(work[LARGEST], abs(sizes[row]))
+        sizes[row] = size
+        work[SMALLEST], work[LARGEST] = min(work[SMALLEST], abs(size)), max(work[LARGEST], abs(size))
         while marks[WANTED] < wanted.size and sign * (work[CLOCK] - wanted[marks[WANTED]]) > 0.0:
             marks[WANTED] += 1
             kept = True

@@ -16,6 +16,7 @@ from kickdrift.engine.flows.layout import (
     EVALUATIONS,
     FAILED_CONTROL,
     JAMMED,
+    LOST_TO_ROUNDING,
     MISSED_SWITCH,
     NOT_HELD,
     TAKEN_BACK,
@@ -36,7 +37,11 @@ Failure = tuple[Outcome, str]  # and a sentence on its cause
 _NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 _NO_STEP = {
-    FAILED_CONTROL: (" The step control returned NaN, the motion was lost, or the step is lost to rounding beside t."),
+    FAILED_CONTROL: " The step control returned NaN, or the motion was lost.",
+    LOST_TO_ROUNDING: (
+        " The steps have become shorter than the spacing of numbers at t: the motion goes to infinity there, bodies collide,"
+        " or a function jumps or is not a number."
+    ),
     JAMMED: (
         " No time passes between impacts: bodies are jammed without clearance, or a gap closes where its gradient is"
         " zero. Leave some clearance, or use a lower restitution."

@@ -25,9 +25,9 @@ from kickdrift.engine.flows.layout import (
     CONTROL,
     DENSITY,
     END,
-    FAILED_CONTROL,
     FIRST_STEP,
     LAST_ERROR,
+    LOST_TO_ROUNDING,
     MEMORY,
     REJECTED,
     ROUNDED_OFF,
@@ -38,6 +38,7 @@ from kickdrift.engine.flows.layout import (
     coefficients_at,
     control_memory,
     has_part,
+    is_lost,
     memory,
     own_params,
 )
@@ -51,8 +52,6 @@ PARAMS = 5
 RELATIVE, ORDER, GIVEN, BEGIN, BEGIN_ROUNDED_OFF = range(PARAMS)  # of the params of control
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 5.0
 _INTEGRAL, _PROPORTIONAL = 0.7, 0.4  # exponents over the order of the error
-_SPACINGS = 16.0  # spacings of floats at the time, which is the shortest step
-_TINY = 1e-60  # of the first step: at t = 0 floats have no spacing
 
 
 @compiled(inline=True)
@@ -204,7 +203,7 @@ def decide(error: float, x: Floats, v: Floats, work: Floats) -> None:
         size = left
     elif abs(size) > 0.5 * abs(left):
         size = 0.5 * left  # two equal steps, rather than a short one at the end
-    if abs(size) < max(_SPACINGS * 2.220446049250313e-16 * abs(work[CLOCK]), _TINY * abs(work[FIRST_STEP])):
-        work[TROUBLE] = FAILED_CONTROL
+    if is_lost(size, work):
+        work[TROUBLE] = LOST_TO_ROUNDING
     else:
         work[DENSITY] = work[FIRST_STEP] / size

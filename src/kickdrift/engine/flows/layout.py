@@ -81,9 +81,11 @@ SHADOW = -28  # start of the copy of the memory of the flows, for steps that may
 TAKEN_BACK = -29  # number of steps rejected by a flow itself
 DENSITY_HERE = -27  # value of the density function after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
+LOST_STEPS = -31  # number of the last steps in a row that were lost to rounding beside the time
 CHANGES = -30  # number of changes of the state or the force between steps, which invalidate forces kept by flows
 FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0
 CHATTERING, MISSED_SWITCH = -6.0, -7.0
+LOST_TO_ROUNDING = -8.0
 """Residuals that mean that no step size works: in general; and of impacts, see `kickdrift.core.outcomes`."""
 _SCRATCH = -1  # index among the words before work
 _LINE = 8  # numbers in a cache line
@@ -172,6 +174,8 @@ def move_clock(h: float, work: Floats) -> None:
 
 
 _ROUNDING = 8 * np.finfo(float).eps  # of the clock, within which the end is reached
+_SPACINGS = 16 * np.finfo(float).eps  # of the clock, below which a step is lost
+_TINY = 1e-60  # of the first step, the same: at t = 0 floats have no spacing
 
 
 @compiled(inline=True)
@@ -179,6 +183,12 @@ def at_end(work: Floats) -> bool:
     """Whether the clock is at the end, or beyond it."""
     left = work[END] - work[CLOCK]
     return bool((left if work[FIRST_STEP] > 0.0 else -left) <= _ROUNDING * max(abs(work[END]), abs(work[CLOCK])))
+
+
+@compiled(inline=True)
+def is_lost(size: float, work: Floats) -> bool:
+    """Whether a step is lost to rounding beside the time."""
+    return bool(abs(size) < max(_SPACINGS * abs(work[CLOCK]), _TINY * abs(work[FIRST_STEP])))
 
 
 def aligned(size: int) -> NDArray[np.int64]:
