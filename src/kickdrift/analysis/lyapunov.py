@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,34 +109,39 @@ def lyapunov_exponent(
             f"count={count!r} must be a whole number from 1 to {steps.start.size}, the dimension of the state."
         )
     lengths = _APART * scales_of(steps.x0, steps.v0, math.copysign(max(abs(h), abs(end - begin) / 1000), h))
+    times, logarithms = zip(*_renormalised(steps, begin, n_steps, lengths, count), strict=True)
+    t, sums = np.array(times), np.cumsum(logarithms, axis=0)
+    first = min(int(np.searchsorted(np.abs(t - begin), _TURNING * abs(end - begin))), t.size - 2)
+    before, since = (sums[first], t[first]) if first >= 0 else (0.0, begin)
+    values = (sums[-1] - before) / abs(end - since)
+    return LyapunovExponents(values, t, sums / np.abs(t - begin)[:, None])
+
+
+def _renormalised(
+    steps: Steps, begin: float, n_steps: int, lengths: Floats, count: int
+) -> Iterator[tuple[float, Floats]]:
+    """Run the steps, and yield the time of each renormalisation and the logarithms of the growth since the one before."""
     directions = np.linalg.qr(np.random.default_rng(0).normal(size=(steps.start.size, count)))[0]
     state, done, stretch = steps.start, 0, _STEPS
-    times, logarithms = [], []
     while done < n_steps:
-        now = min(stretch, n_steps - done)
+        t, now = begin + done * steps.h, min(stretch, n_steps - done)
         moved = lengths * directions.T
         try:
-            rows = steps.advance(begin + done * h, np.concatenate((state[None], state + moved, state - moved)), now)
+            rows = steps.advance(t, np.concatenate((state[None], state + moved, state - moved)), now)
         except KickdriftError:
             if now == 1:
                 raise
             # Fails, too, if it was the state that overflowed, and not a displacement.
-            steps.advance(begin + done * h, state[None], now)
+            steps.advance(t, state[None], now)
             stretch = now // 2
             continue
         grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
         if not np.isfinite(grown).all():
-            raise KickdriftError(f"the state is not finite at t={begin + (done + now) * h!r}; use a smaller step.")
+            raise KickdriftError(f"the state is not finite at t={begin + (done + now) * steps.h!r}; use a smaller step.")
         turned, triangle = np.linalg.qr(grown.T)
         logarithm = np.log(np.abs(np.diag(triangle)))
         if now > 1 and np.abs(logarithm).max() > np.log(_GROWTH):
             stretch = now // 2
             continue
         state, done, directions = rows[0], done + now, turned
-        times.append(begin + done * h)
-        logarithms.append(logarithm)
-    t, sums = np.array(times), np.cumsum(logarithms, axis=0)
-    first = min(int(np.searchsorted(np.abs(t - begin), _TURNING * abs(end - begin))), t.size - 2)
-    before, since = (sums[first], t[first]) if first >= 0 else (0.0, begin)
-    values = (sums[-1] - before) / abs(end - since)
-    return LyapunovExponents(values, t, sums / np.abs(t - begin)[:, None])
+        yield begin + done * steps.h, logarithm

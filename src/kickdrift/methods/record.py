@@ -41,7 +41,8 @@ class Method:
     name : str
         Kebab-case: author, kind, order.
     order : int
-        Order of the global error, on the problems of `kind`; for Langevin dynamics that of averages, the weak order.
+        Order of the global error, on the problems of `kind`; for Langevin dynamics that of averages, the weak order; for
+        ``shake`` that of positions, while its velocities have order 1.
     word : tuple of (Letter, Fraction)
         The flows of one step, from first to last, each with its fraction of the step.
     symmetric : bool

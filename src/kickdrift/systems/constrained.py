@@ -31,7 +31,8 @@ class Constrained(Problem):
 
     The constraint forces -G^T lambda enforce g(x) = 0; their multipliers lambda are the solution's ``multipliers``. Methods:
     ``rattle``, ``shake``, ``projected-kick-drift``. Each step solves the constraints to rounding error, some 1e-16 of the
-    size of x; if that fails, the run ends with a message.
+    size of x; if that fails, the run ends with a message. ``shake`` has the positions of ``rattle``, but its velocities are not
+    tangent to the constraints, and have only order 1.
 
     Parameters
     ----------
