@@ -71,7 +71,7 @@ LINK_NUMBERS = Table(47, 232)  # no step reads the data of another there
 GRAPH = Table(51, 4, whole=True)  # one row
 # The direct solver: see `kickdrift.world.direct.layout`
 CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly
-ISLAND = Table(52, 12, whole=True)
+ISLAND = Table(52, 13, whole=True)
 ISLAND_CONTACT = Table(53, 1, whole=True)  # contacts of the linked colour, one island after the other
 ISLAND_JOINT = Table(54, 1, whole=True)  # rows of LINK that have joints, one island after the other
 NODE = Table(55, 8, whole=True)

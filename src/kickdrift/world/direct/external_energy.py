@@ -33,8 +33,15 @@ from kickdrift.world.tables import (
 @compiled(cached=False)
 def energy_given(island: int, world: int) -> float:
     """Bound the energy that contacts and joints have added to an island in the substep, J."""
+    total: float = energy_from_outside(island, world) + energy_received(island, KICKED, world)
+    return total
+
+
+@compiled(cached=False)
+def energy_from_outside(island: int, world: int) -> float:
+    """Bound the energy that motors, and bodies and surfaces that no island moves, have added in the substep, J."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    total = energy_driven(island, 0.0, world) + energy_received(island, KICKED, world)
+    total = energy_driven(island, 0.0, world)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         total += external_work(links[order[place, 0], LINK_JOINT], world)
     return total

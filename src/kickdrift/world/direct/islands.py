@@ -11,6 +11,7 @@ from kickdrift.world.direct.layout import (
     FIRST_CONTACT,
     FIRST_JOINT,
     FIRST_NODE,
+    GROUP,
     HAS_JOINTS,
     LINK_ROW,
     LOST,
@@ -21,7 +22,7 @@ from kickdrift.world.direct.linked_contacts import linked_contacts
 from kickdrift.world.direct.node_selection import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.direct.unconverged_heaps import LARGEST as HEAP_LARGEST
-from kickdrift.world.disjoint_sets import first_of
+from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints.layout import (
     CLOSINGS,
     DIRECT_ISLANDS,
@@ -79,6 +80,7 @@ def find_islands(t: float, h: float, world: int) -> None:
                 links[row, NODE_ROW] = count
                 for column in range(ISLAND.width):
                     islands[count, column] = 0
+                islands[count, GROUP] = count
                 count += 1
         if not in_turn:
             integers(world, GRAPH)[0, DIRECT_ISLANDS] = count
@@ -157,12 +159,14 @@ def _begin_ranges(islands: Any, count: int, first: int, after: int) -> None:
 
 @compiled(cached=False)
 def _sort_contacts(world: int) -> None:
-    """Write the contacts of each island; one between two islands belongs to both."""
+    """Write the contacts of each island; one between two islands belongs to both, and unites their groups."""
     islands, order, count = integers(world, ISLAND), integers(world, ISLAND_CONTACT), linked_contacts(world)
     for index in range(count):
-        for island in islands_of_contact(world, index):
-            if island >= 0:
-                islands[island, AFTER_CONTACT] += 1
+        one, two = islands_of_contact(world, index)
+        islands[one, AFTER_CONTACT] += 1
+        if two >= 0:
+            islands[two, AFTER_CONTACT] += 1
+            unite(islands, GROUP, one, two)
     _begin_ranges(islands, rows(world, ISLAND), FIRST_CONTACT, AFTER_CONTACT)
     for index in range(count):
         for island in islands_of_contact(world, index):

@@ -16,7 +16,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.active_set import AS_ASSUMED, BY_LAWS, aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
-from kickdrift.world.direct.external_energy import driving_speed, energy_given, energy_received
+from kickdrift.world.direct.external_energy import driving_speed, energy_from_outside, energy_given
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution
 from kickdrift.world.direct.layout import (
@@ -25,6 +25,7 @@ from kickdrift.world.direct.layout import (
     FIRST_CLOSING,
     FIRST_CONTACT,
     GIVEN_UP,
+    GROUP,
     HAS_JOINTS,
     LOST,
     RATIO,
@@ -34,6 +35,7 @@ from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.position_correction import repair
 from kickdrift.world.direct.substep_estimate import LONG_TURN
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
+from kickdrift.world.disjoint_sets import first_of
 from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
@@ -99,6 +101,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
             _project(island, h, RELAX, REST, world)
         else:
             _relax(island, h, world)
+    _relax_again(h, world)
     for island in range(direct_islands(world)):
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
@@ -136,35 +139,53 @@ def _press(island: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _relax(island: int, h: float, world: int) -> None:
-    """Project the velocities of an island after the drift.
+    """Project the velocities of an island after the drift, or, if that leaves too much energy, those after the kick.
 
-    If that leaves too much energy (`_gains_energy`), the velocities after the kick are projected instead, without the impulses
-    of the substep.
+    Islands that touch others are judged when all have been projected (`_relax_again`).
     """
-    for _ in range(2):
-        solve_at_once(island, h, RELAX, REST, world)
-        if not _gains_energy(island, h, world):
-            return
-        begin_from_kick(island, world)
+    solve_at_once(island, h, RELAX, REST, world)
+    if not is_cut(island, world) and _gained(island, h, world) > 0.0:
+        _relax_from_kick(island, h, world)
 
 
 @compiled(cached=False)
-def _gains_energy(island: int, h: float, world: int) -> bool:
-    """Whether an island has more energy than after the kick, beyond a tolerance and the energy given from outside.
+def _relax_again(h: float, world: int) -> None:
+    """Project the velocities after the kick of islands that have gained energy, if all that contacts connect them with have."""
+    islands = integers(world, ISLAND)
+    for island in range(direct_islands(world)):
+        if islands[island, LOST] == 0 and is_cut(island, world) and _gained(island, h, world) > 0.0:
+            total = 0.0
+            for other in range(direct_islands(world)):
+                if first_of(islands, GROUP, other) == first_of(islands, GROUP, island):
+                    total += _gained(other, h, world)
+            if not total <= 0.0:
+                _relax_from_kick(island, h, world)
 
-    Only islands with contacts or with large rotations in a substep are checked.
+
+@compiled(cached=False)
+def _relax_from_kick(island: int, h: float, world: int) -> None:
+    """Project the velocities after the kick, without the impulses of the substep."""
+    begin_from_kick(island, world)
+    solve_at_once(island, h, RELAX, REST, world)
+
+
+@compiled(cached=False)
+def _gained(island: int, h: float, world: int) -> float:
+    """Return the energy that an island has gained since the kick, beyond a tolerance and what was given from outside, J.
+
+    Zero or less if none; zero without contacts and without large rotations in a substep: such islands are not checked.
     """
     own = integers(world, ISLAND)[island]
-    touches, joined = own[FIRST_CONTACT] < own[AFTER_CONTACT], own[HAS_JOINTS] != 0
     far = h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN
-    if not (touches or far):
-        return False
-    before, after = kinetic_energy(island, KICKED, world), kinetic_energy(island, MOTION, world)
-    if joined:
-        most = KEPT * before
-        return not (after <= most or after <= most + energy_given(island, world))
-    speed, received = driving_speed(island, world), energy_received(island, KICKED, world)
-    return not after <= KEPT * before + received + mass_of(island, world) * (speed * speed + _STILL)
+    if own[FIRST_CONTACT] == own[AFTER_CONTACT] and not far:
+        return 0.0
+    gained = kinetic_energy(island, MOTION, world) - KEPT * kinetic_energy(island, KICKED, world)
+    if gained <= 0.0:
+        return gained
+    if own[HAS_JOINTS] != 0:
+        return gained - energy_from_outside(island, world)
+    speed = driving_speed(island, world)
+    return gained - mass_of(island, world) * (speed * speed + _STILL)
 
 
 @compiled(cached=False)
