@@ -98,10 +98,10 @@ The word lists the flows of a step, first to last, each with its share of the st
 letters are in {{obj}}`kickdrift.methods.Letter`. The measured order is the slope of the error over the step on the problem
 named above each table, from the four smallest steps whose errors are above rounding. From order 8 on, few steps lie
 between those that are too large and those whose error is rounding, so that the slope is inaccurate there: the test suite
-measures these words in extended precision. The order of `shake` is that of its positions and of the energy, and the measured one
-that of its velocities, which lack the last impulse of the constraints. For methods for planets, the numbers in brackets are the orders of the parts of the
-error that are proportional to the masses of the planets, to their square, and so on. For Langevin dynamics the order is that
-of averages.
+measures these words in extended precision. The order of `shake` is that of its positions and of the energy, and the measured
+one that of its velocities, which lack the last impulse of the constraints. For methods for planets, the numbers in brackets are
+the orders of the parts of the error that are proportional to the masses of the planets, to their square, and so on. For
+Langevin dynamics the order is that of averages.
 """
 
 

@@ -109,7 +109,7 @@ def lyapunov_exponent(
             f"count={count!r} must be a whole number from 1 to {steps.start.size}, the dimension of the state."
         )
     lengths = _APART * scales_of(steps.x0, steps.v0, math.copysign(max(abs(h), abs(end - begin) / 1000), h))
-    times, logarithms = zip(*_renormalised(steps, begin, n_steps, lengths, count), strict=True)
+    times, logarithms = zip(*_renormalised(steps, begin, h, n_steps, lengths, count), strict=True)
     t, sums = np.array(times), np.cumsum(logarithms, axis=0)
     first = min(int(np.searchsorted(np.abs(t - begin), _TURNING * abs(end - begin))), t.size - 2)
     before, since = (sums[first], t[first]) if first >= 0 else (0.0, begin)
@@ -118,13 +118,13 @@ def lyapunov_exponent(
 
 
 def _renormalised(
-    steps: Steps, begin: float, n_steps: int, lengths: Floats, count: int
+    steps: Steps, begin: float, h: float, n_steps: int, lengths: Floats, count: int
 ) -> Iterator[tuple[float, Floats]]:
     """Run the steps, and yield the time of each renormalisation and the logarithms of the growth since the one before."""
     directions = np.linalg.qr(np.random.default_rng(0).normal(size=(steps.start.size, count)))[0]
     state, done, stretch = steps.start, 0, _STEPS
     while done < n_steps:
-        t, now = begin + done * steps.h, min(stretch, n_steps - done)
+        t, now = begin + done * h, min(stretch, n_steps - done)
         moved = lengths * directions.T
         try:
             rows = steps.advance(t, np.concatenate((state[None], state + moved, state - moved)), now)
@@ -137,11 +137,11 @@ def _renormalised(
             continue
         grown = (rows[1 : 1 + count] - rows[1 + count :]) / (2 * lengths)
         if not np.isfinite(grown).all():
-            raise KickdriftError(f"the state is not finite at t={begin + (done + now) * steps.h!r}; use a smaller step.")
+            raise KickdriftError(f"the state is not finite at t={begin + (done + now) * h!r}; use a smaller step.")
         turned, triangle = np.linalg.qr(grown.T)
         logarithm = np.log(np.abs(np.diag(triangle)))
         if now > 1 and np.abs(logarithm).max() > np.log(_GROWTH):
             stretch = now // 2
             continue
         state, done, directions = rows[0], done + now, turned
-        yield begin + done * steps.h, logarithm
+        yield begin + done * h, logarithm

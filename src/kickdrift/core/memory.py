@@ -136,7 +136,7 @@ def read_only(typing_context: Any, array: Any) -> Any:
 
 def start_of_array(array: NDArray[Any]) -> int:
     """Return the address of a contiguous array that may be written to, 0 of an empty one: `array.ctypes` takes 2 us."""
-    return addressof(c_char.from_buffer(array)) if array.size else 0
+    return addressof(c_char.from_buffer(array.data)) if array.size else 0
 
 
 def state_block(*members: NDArray[np.float64]) -> NDArray[np.intp]:
