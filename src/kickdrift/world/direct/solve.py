@@ -150,7 +150,11 @@ def _relax(island: int, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _relax_again(h: float, world: int) -> None:
-    """Project the velocities after the kick of islands that have gained energy, if all that contacts connect them with have."""
+    """Project the velocities after the kick of islands that have gained energy, if all that contacts connect them with have.
+
+    Judged one by one, islands would be projected again though the energy came from their neighbours: sixteen ragdolls, dropped
+    from eight heights, then take a tenth more eliminations of nodes.
+    """
     islands = integers(world, ISLAND)
     for island in range(direct_islands(world)):
         if islands[island, LOST] == 0 and is_cut(island, world) and _gained(island, h, world) > 0.0:
