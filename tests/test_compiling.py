@@ -22,8 +22,9 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
+from kickdrift.world.direct.relaxation import relax_islands
 from kickdrift.world.direct.restitution import bounce_islands
-from kickdrift.world.direct.solve import relax_islands, solve_islands
+from kickdrift.world.direct.solve import solve_islands
 from kickdrift.world.shapes.catalogue import RAYS
 from kickdrift.world.step.compiling import _jobs, all_jobs
 from kickdrift.world.step.loop import STAGE

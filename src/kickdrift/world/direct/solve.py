@@ -15,30 +15,26 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.active_set import AS_ASSUMED, BY_LAWS, aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
-from kickdrift.world.direct.contacts import PRESS, REST, begin_contacts, is_cut, note_impulses
-from kickdrift.world.direct.external_energy import driving_speed, energy_from_outside, energy_given
+from kickdrift.world.direct.contacts import PRESS, begin_contacts, is_cut, note_impulses
+from kickdrift.world.direct.external_energy import energy_given
 from kickdrift.world.direct.islands import direct_islands
-from kickdrift.world.direct.joint_impulses import end_relaxation, end_solution
+from kickdrift.world.direct.joint_impulses import end_solution
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
     FIRST_CLOSING,
     FIRST_CONTACT,
     GIVEN_UP,
-    GROUP,
     HAS_JOINTS,
     LOST,
     RATIO,
 )
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
-from kickdrift.world.direct.node_selection import mass_of
-from kickdrift.world.direct.position_correction import repair
 from kickdrift.world.direct.substep_estimate import LONG_TURN
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
-from kickdrift.world.disjoint_sets import first_of
 from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
-from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY, RELAX
+from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
 from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floats, integers
 
@@ -52,20 +48,11 @@ QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9
 # times the initial energy is repeated without the laws of axes, which may add energy if the substep is too long.
 FAR, EXCESS = 1e-3, 1.5
 
-# Ratio to which heaps, islands with contacts and fast rotating ones may increase their energy after the drift. Of sixty
-# spinning chains of random rods 46 gain more than a tenth with 1.02, and six with 1.001. Of 800 linkages thrown at walls at 3
-# to 100 m/s, in space and in planes, 33 gain more than a hundredth if those with contacts may gain EXCESS, one of them a tenth
-# in one impact, and one does with 1.001.
-KEPT = 1.001
-
 # Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.
 POOR = 0.1
 
 # Ratio of energies, or of speeds in `_press`, above which a solution is spurious.
 WILD = 4.0
-
-# Square of a negligible speed, m^2/s^2.
-_STILL = 1e-12
 
 
 @compiled
@@ -87,27 +74,6 @@ def solve_islands(t: float, h: float, world: int) -> None:
             _solve_joints(island, h, world)
         end_solution(island, h, world)
     let_fall(world)
-
-
-@compiled
-def relax_islands(t: float, h: float, world: int) -> None:
-    """Project the velocities onto those that joints and contacts allow at the new poses, after the drift."""
-    islands = integers(world, ISLAND)
-    for island in range(direct_islands(world)):
-        if islands[island, LOST] != 0:
-            repair(island, h, world)
-            note_velocities(island, world)
-            note_impulses(island, False, world)
-            _project(island, h, RELAX, REST, world)
-        else:
-            _relax(island, h, world)
-    _relax_again(h, world)
-    for island in range(direct_islands(world)):
-        if is_cut(island, world):
-            aim_island(island, h, RELAX, world)
-            stay_closings(island, world)
-            solve(island, h, 0.0, REST, True, False, BY_LAWS, world)
-        end_relaxation(island, h, world)
 
 
 @compiled
@@ -135,61 +101,6 @@ def _press(island: int, h: float, world: int) -> None:
         if fastest(island, MOTION, LINEAR_PART, world) <= most:
             return
         take_back(island, world)
-
-
-@compiled(cached=False)
-def _relax(island: int, h: float, world: int) -> None:
-    """Project the velocities of an island after the drift, or, if that leaves too much energy, those after the kick.
-
-    Islands that touch others are judged when all have been projected (`_relax_again`).
-    """
-    solve_at_once(island, h, RELAX, REST, world)
-    if not is_cut(island, world) and _gained(island, h, world) > 0.0:
-        _relax_from_kick(island, h, world)
-
-
-@compiled(cached=False)
-def _relax_again(h: float, world: int) -> None:
-    """Project the velocities after the kick of islands that have gained energy, if all that contacts connect them with have.
-
-    Judged one by one, islands would be projected again though the energy came from their neighbours: sixteen ragdolls, dropped
-    from eight heights, then take a tenth more eliminations of nodes.
-    """
-    islands = integers(world, ISLAND)
-    for island in range(direct_islands(world)):
-        if islands[island, LOST] == 0 and is_cut(island, world) and _gained(island, h, world) > 0.0:
-            total = 0.0
-            for other in range(direct_islands(world)):
-                if first_of(islands, GROUP, other) == first_of(islands, GROUP, island):
-                    total += _gained(other, h, world)
-            if not total <= 0.0:
-                _relax_from_kick(island, h, world)
-
-
-@compiled(cached=False)
-def _relax_from_kick(island: int, h: float, world: int) -> None:
-    """Project the velocities after the kick, without the impulses of the substep."""
-    begin_from_kick(island, world)
-    solve_at_once(island, h, RELAX, REST, world)
-
-
-@compiled(cached=False)
-def _gained(island: int, h: float, world: int) -> float:
-    """Return the energy that an island has gained since the kick, beyond a tolerance and what was given from outside, J.
-
-    Zero or less if none; zero without contacts and without large rotations in a substep: such islands are not checked.
-    """
-    own = integers(world, ISLAND)[island]
-    far = h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN
-    if own[FIRST_CONTACT] == own[AFTER_CONTACT] and not far:
-        return 0.0
-    gained = kinetic_energy(island, MOTION, world) - KEPT * kinetic_energy(island, KICKED, world)
-    if gained <= 0.0:
-        return gained
-    if own[HAS_JOINTS] != 0:
-        return gained - energy_from_outside(island, world)
-    speed = driving_speed(island, world)
-    return gained - mass_of(island, world) * (speed * speed + _STILL)
 
 
 @compiled(cached=False)
@@ -228,13 +139,13 @@ def _solve_carefully(island: int, h: float, world: int) -> None:
     Those of joints are judged together with the friction that they bear, which would not act before the drift without them.
     """
     islands = integers(world, ISLAND)
-    _project(island, h, GENTLY, PRESS, world)
+    project(island, h, GENTLY, PRESS, world)
     energy = kinetic_energy(island, MOTION, world)
     if energy > WILD * kinetic_energy(island, KICKED, world) + energy_given(island, world):
         begin_from_kick(island, world)
         note_velocities(island, world)
         note_impulses(island, False, world)
-        _project(island, h, GENTLY, PRESS, world)
+        project(island, h, GENTLY, PRESS, world)
         energy = kinetic_energy(island, MOTION, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
     off = _approach(island, h, off, ROUNDS, world)
@@ -244,7 +155,7 @@ def _solve_carefully(island: int, h: float, world: int) -> None:
     ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
-        _project(island, h, GENTLY, PRESS, world)
+        project(island, h, GENTLY, PRESS, world)
 
 
 @compiled(cached=False)
@@ -281,7 +192,7 @@ def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> bo
 
 
 @compiled(cached=False)
-def _project(island: int, h: float, mode: int, task: int, world: int) -> None:
+def project(island: int, h: float, mode: int, task: int, world: int) -> None:
     """Go back to the noted velocities, and project them.
 
     If that adds energy, as a limit does that has been exceeded by far, it is done without updating the laws, or not at all.

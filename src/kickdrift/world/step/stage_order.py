@@ -29,8 +29,9 @@ from kickdrift.world.direct.energy_losses import note_losses
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.node_selection import find_nodes
+from kickdrift.world.direct.relaxation import relax_islands
 from kickdrift.world.direct.restitution import bounce_islands
-from kickdrift.world.direct.solve import measure_islands, relax_islands, solve_islands
+from kickdrift.world.direct.solve import measure_islands, solve_islands
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.events import note_touching
 from kickdrift.world.force_functions import begin_forces
