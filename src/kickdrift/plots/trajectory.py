@@ -178,16 +178,17 @@ def _curve(t: Floats, path: Floats, velocity: Floats) -> Floats | None:
 def _write_names(axes: "Axes", bodies: Bodies) -> None:
     from matplotlib.patheffects import withStroke
 
+    axes.apply_aspect()  # names are kept within the limits that the drawing will have
     ends = bodies.paths[-1]
     middle = int(np.argmin(bodies.radius))
     distances = np.linalg.norm(ends - ends[middle], axis=1)
     nearest = ends[np.argsort(distances)[1]]
-    for group in _neighbours(ends, 0.06 * float(bodies.radius.max())):
+    for group in _neighbours(ends, 0.1 * float(bodies.radius.max())):
         place = ends[group].mean(axis=0)
         # Outwards, where no other name is; the one in the middle has its name on the far side of its nearest.
         outward = ends[middle] - nearest if middle in group else place - ends[middle]
         direction = outward / max(float(np.linalg.norm(outward)), 1e-300)
-        axes.annotate(
+        name = axes.annotate(
             ", ".join(bodies.names[i] for i in group),
             place,
             xytext=7 * direction,
@@ -198,6 +199,9 @@ def _write_names(axes: "Axes", bodies: Bodies) -> None:
             color=INK,
             path_effects=[withStroke(linewidth=2.5, foreground="white")],
         )
+        written, frame = name.get_window_extent(), axes.get_window_extent()
+        if written.x0 < frame.x0 or written.x1 > frame.x1:
+            name.set(x=-7 * direction[0], ha="left" if written.x0 < frame.x0 else "right")
 
 
 def _neighbours(points: Floats, distance: float) -> list[list[int]]:
