@@ -66,6 +66,17 @@ def test_the_solar_system_has_a_panel_for_the_inner_planets():
     assert energy.get_xlabel() == "t (day)"
 
 
+@pytest.mark.parametrize("end", [3000.0, 9000.0, 16000.0, 24000.0, 36525.0])
+def test_names_of_bodies_stay_inside_their_panel(end):
+    figure = solved(kd.systems.solar_system(), end=end, step=20.0, method="velocity-verlet", save_every=20).plot()
+    figure.draw_without_rendering()
+    for axes in figure.axes[:2]:
+        frame = axes.get_window_extent()
+        for text in axes.texts:
+            written = text.get_window_extent()
+            assert frame.x0 <= written.x0 < written.x1 <= frame.x1, text.get_text()
+
+
 def test_bodies_of_like_orbits_share_a_panel():
     figure = solved(kd.systems.benchmarks_game(), end=0.5, step=0.05).plot()
     assert titles(figure) == ["trajectory", "energy error"]
