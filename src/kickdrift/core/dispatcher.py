@@ -22,7 +22,7 @@ from kickdrift.core.llvm_builder import calling
 Function = Callable[..., Any]
 
 told_of_compiling: ContextVar[Function | None] = ContextVar("told_of_compiling", default=None)
-"""What is called whenever a function is compiled."""
+"""The function that is called whenever another is compiled."""
 
 
 class _Flags(Flags):  # type: ignore[misc]

@@ -60,7 +60,7 @@ CHANGE = types.none(
     _ROWS,
 )
 
-_MOST_LOST = 1_000_000  # steps in a row lost to rounding, and no more than the others before: see `advance_adaptively`
+_MOST_LOST = 1_000_000  # steps in a row lost to rounding, if they are more than half of all: see `advance_adaptively`
 
 ACCEPTED, TRIALS, ROWS, WANTED = range(4)
 """Counters of adaptive steps: steps taken, steps tried, rows filled, and wanted times passed."""

@@ -163,9 +163,10 @@ def _sort_contacts(world: int) -> None:
     islands, order, count = integers(world, ISLAND), integers(world, ISLAND_CONTACT), linked_contacts(world)
     for index in range(count):
         one, two = islands_of_contact(world, index)
-        islands[one, AFTER_CONTACT] += 1
+        for island in (one, two):
+            if island >= 0:
+                islands[island, AFTER_CONTACT] += 1
         if two >= 0:
-            islands[two, AFTER_CONTACT] += 1
             unite(islands, GROUP, one, two)
     _begin_ranges(islands, rows(world, ISLAND), FIRST_CONTACT, AFTER_CONTACT)
     for index in range(count):

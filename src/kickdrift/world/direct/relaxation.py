@@ -20,8 +20,8 @@ from kickdrift.world.tables import ISLAND, KICKED, MOTION, integers
 
 # Ratio to which heaps, islands with contacts and fast rotating ones may increase their energy after the drift. Of sixty
 # spinning chains of random rods 46 gain more than a tenth with 1.02, and six with 1.001. Of 800 linkages thrown at walls at 3
-# to 100 m/s, in space and in planes, 33 gain more than a hundredth if those with contacts may gain EXCESS, one of them a tenth
-# in one impact, and one does with 1.001.
+# to 100 m/s, in space and in planes, 33 gain more than a hundredth if those with contacts may gain half of theirs, one of
+# them a tenth in one impact, and one does with 1.001.
 KEPT = 1.001
 
 # Square of a negligible speed, m^2/s^2.
@@ -89,7 +89,8 @@ def _relax_from_kick(island: int, h: float, world: int) -> None:
 def _gained(island: int, h: float, world: int) -> float:
     """Return the energy that an island has gained since the kick, beyond a tolerance and what was given from outside, J.
 
-    Zero or less if none; zero without contacts and without large rotations in a substep: such islands are not checked.
+    Zero or less if none, and then what was given is not subtracted. Zero without contacts and without large rotations in a
+    substep: such islands are not checked.
     """
     own = integers(world, ISLAND)[island]
     far = h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN
