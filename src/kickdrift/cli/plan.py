@@ -8,7 +8,6 @@ from pathlib import Path
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError, unknown_name
 from kickdrift.engine.method_selection import choose
-from kickdrift.methods import Method
 from kickdrift.scenes import DEFAULTS, Defaults
 from kickdrift.systems import System, catalogue, solar_system
 
@@ -35,7 +34,7 @@ class Plan:
     duration: float
     step: float
     method: str  # as asked for
-    taken: Method  # and what that is
+    taken: str  # the name of the method that this is
     save_every: int | None
     jpl: bool  # whether JPL's positions are there to compare with
 
@@ -99,7 +98,7 @@ def make_plan(target: str, options: Options, *, comparison: bool = False) -> Pla
         duration=duration,
         step=step,
         method=method,
-        taken=choose(method, None, system, 0.0, step, duration).method,
+        taken=choose(method, None, system, 0.0, step, duration).name,
         save_every=save_every(options, wishes.save_every),
         jpl=target == SOLAR_SYSTEM,
     )

@@ -24,7 +24,7 @@ def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None, s
     times, missed = kept_times(plan.duration, plan.step, plan.save_every, jpl_days() if plan.jpl else ())
     prepare_folder(folder)
     if not quiet:
-        say(f"{plan.in_words} by {plan.taken.name}")
+        say(f"{plan.in_words} by {plan.taken}")
         _say_missed(missed, plan)
     solution = solve(
         plan.system,
@@ -49,7 +49,7 @@ def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None, s
 
 def _run_to_disk(plan: Plan, quiet: bool, checkpoint: Path | None, save_to: Path) -> int:
     if not quiet:
-        say(f"{plan.in_words} by {plan.taken.name}")
+        say(f"{plan.in_words} by {plan.taken}")
     solution = solve(
         plan.system,
         (0.0, plan.duration),

@@ -37,8 +37,9 @@ _PLANETS = {
 def benchmarks_game() -> System:
     """Create the n-body problem of the Benchmarks Game; the state has shape (5, 3).
 
-    The Sun moves so that the total momentum is zero. With the default method and a step of 0.01 the energy is
-    -0.169075164 at the start and -0.169087605 after 1000 steps.
+    Lengths are in au, times in years of 365.24 days, and masses are multiplied by the gravitational constant, so that the
+    Sun's is 4 pi^2 au^3/year^2. The Sun moves so that the total momentum is zero. With the default method and a step of 0.01
+    the energy is -0.169075164 at the start and -0.169087605 after 1000 steps.
 
     Returns
     -------
@@ -56,9 +57,13 @@ def benchmarks_game() -> System:
     x = np.array([(0.0, 0.0, 0.0)] + [position for _, position, _ in planets])
     v = np.array([(0.0, 0.0, 0.0)] + [velocity for _, _, velocity in planets]) * _DAYS
     v[0] = -(masses[1:, None] * v[1:]).sum(axis=0) / masses[0]
+    system = nbody(masses=masses, x0=x, v0=v, G=1.0, names=["Sun", *_PLANETS])
+    year = f"year of {_DAYS} days"
+    units = {"energy": f"au^5/({year})^4", "momentum": f"au^4/({year})^3", "angular momentum": f"au^5/({year})^3"}
     return replace(
-        nbody(masses=masses, x0=x, v0=v, G=1.0, names=["Sun", *_PLANETS]),
+        system,
         name="benchmarks-game",
-        units={"t": f"year of {_DAYS} days", "x": "au", "v": f"au per year of {_DAYS} days"},
+        quantities={name: replace(quantity, unit=units[name]) for name, quantity in system.quantities.items()},
+        units={"t": year, "x": "au", "v": f"au per {year}"},
         source="The Computer Language Benchmarks Game, n-body",
     )

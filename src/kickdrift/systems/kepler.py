@@ -49,7 +49,7 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     eccentricity : float
         At least 0 and below 1.
     semi_major_axis : float
-        Half the length of the orbit.
+        Half the length of the ellipse; the body starts at ``semi_major_axis * (1 - eccentricity)``.
     mu : float
         Gravitational parameter. The period is 2 pi sqrt(semi_major_axis^3 / mu).
 

@@ -22,7 +22,8 @@ BODIES = {
 def outer_solar_system(splitting: str = "jacobi") -> System:
     """Create the outer solar system of Hairer, Lubich and Wanner; the state has shape (6, 3).
 
-    The energy is -3.215453183208163e-8 at the start. Jupiter's period is 4332.6 days.
+    Lengths are in au, times in days, masses in solar masses. The energy is -3.215453183208163e-8 solar masses au^2/day^2 at
+    the start. Jupiter's period is 4332.6 days.
 
     Parameters
     ----------
@@ -41,9 +42,16 @@ def outer_solar_system(splitting: str = "jacobi") -> System:
     (101, 6, 3)
     """
     masses, x, v = (np.array([body[i] for body in BODIES.values()]) for i in range(3))
+    system = planetary(masses, x, v, G=GRAVITY, splitting=splitting, names=list(BODIES))
+    units = {
+        "energy": "solar mass au^2/day^2",
+        "momentum": "solar mass au/day",
+        "angular momentum": "solar mass au^2/day",
+    }
     return replace(
-        planetary(masses, x, v, G=GRAVITY, splitting=splitting, names=list(BODIES)),
+        system,
         name="outer-solar-system",
+        quantities={name: replace(quantity, unit=units[name]) for name, quantity in system.quantities.items()},
         units={"t": "day", "x": "au", "v": "au/day"},
         source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section I.2.4",
     )
