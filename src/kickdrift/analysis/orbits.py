@@ -15,7 +15,7 @@ _COORDINATES = ("jacobi", "heliocentric")
 
 @dataclass(frozen=True, eq=False)
 class OrbitalElements:
-    """Osculating elements of the orbits of bodies.
+    """Osculating elements of the orbits of bodies; angles are in radians, lengths in the unit of the positions.
 
     Attributes
     ----------

@@ -45,7 +45,8 @@ class Presented:
     def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
         """Plot trajectory and energy error; return the matplotlib figure, and write it to `path` if given.
 
-        Into `ax`, axes of matplotlib, only the trajectory is drawn.
+        A recording is plotted as its last state with the paths of the bodies, and the energies over time. Into `ax`, axes of
+        matplotlib, only the trajectory or the scene is drawn.
 
         Examples
         --------

@@ -18,8 +18,8 @@ class Letter(Enum):
         A kick that solves one linear system with the derivative of the acceleration with respect to v.
     GRADIENT_KICK
         A kick with a multiple of the gradient of the squared acceleration added.
-    DAMP
-        The exact decay of v by linear damping.
+    DAMP, DAMPED_DRIFT
+        The exact decay of v by linear damping, and the exact motion of x and v under it.
     ROTATE, BORIS_ROTATE
         Rotations of v about a magnetic field, by the exact angle and by Boris' formula.
     THERMOSTAT, NOISE

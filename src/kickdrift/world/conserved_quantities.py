@@ -16,14 +16,15 @@ Floats = NDArray[np.float64]
 
 
 class Energy(NamedTuple):
-    """Energy of dynamic bodies and of cloths, J.
+    """Energy of dynamic bodies and of cloths, ropes and soft bodies, J.
 
     Attributes
     ----------
     kinetic : float
         Translational and rotational.
     potential : float
-        Of gravity, zero at the origin, plus the elastic energy of cloths.
+        Of gravity, zero at the origin, plus the elastic energy of cloths, ropes and soft bodies. That of springs and drives
+        at joints is not part of it, nor is that of forces of your own.
     """
 
     kinetic: float

@@ -98,7 +98,7 @@ class AppliesForces:
         ...             force[body, k] -= 0.5 * velocity[body, k]
         >>> world = kd.World()
         >>> ball = world.add_sphere(radius=0.1, mass=1.0)
-        >>> drags = world.add_force(drag)
+        >>> world.add_force(drag)
         >>> world.advance(1 / 60, 1200)
         >>> round(float(ball.velocity[2]), 1)
         -19.6

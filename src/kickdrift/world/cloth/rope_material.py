@@ -22,11 +22,12 @@ class RopeMaterial:
     density : float
         Mass per length, kg/m.
     stretch_stiffness : float
-        Tension per strain, E A, N. It resists compression as well, and gives way by bending.
+        Tension per strain, E A, N. The rope resists compression, too, and buckles under it.
     bending_stiffness : float
         Moment per curvature, E I, N m^2. A rope is straight at rest, whatever its shape is at first, and twists freely.
     damping : float
-        Retardation time of strain and curvature, s; reduced to what the step allows, which the message of a recording tells.
+        Retardation time of strain and curvature, s. Where the step is too long for it, it is reduced, and the message of a
+        recording reports that.
     linear_damping : float
         Rate at which velocities decay, 1/s.
     friction : float

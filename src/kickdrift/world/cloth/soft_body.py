@@ -50,5 +50,5 @@ class SoftBody(Deformable):
 
     @property
     def poisson_ratio(self) -> float:
-        """Contraction across per strain along, in a bar that is pulled a little."""
+        """Transverse contraction per axial strain, in a bar under small tension."""
         return float(self._cloths.numbers(self, "poisson_ratio")[0])

@@ -30,17 +30,18 @@ class SoftMaterial:
     density : float
         kg/m^3.
     young_modulus : float
-        Stress per strain in a bar that is pulled a little, Pa.
+        Young's modulus: stress per strain in a bar under small tension, Pa.
     poisson_ratio : float
-        Contraction across per strain along, above -1 and below 0.5, where the volume would stay.
+        Transverse contraction per axial strain in such a bar, above -1 and below 0.5, at which the volume would be constant.
     damping : float
-        Retardation time of the strains, s; reduced to what the step allows, which the message of a recording tells.
+        Retardation time of the strains, s. Where the step is too long for it, it is reduced, and the message of a recording
+        reports that.
     linear_damping : float
         Rate at which velocities decay, 1/s.
     friction : float
         Coefficient of friction; a soft body and what it touches use the geometric mean.
     thickness : float
-        m; vertices keep half of it away from shapes, and surfaces twice that from each other.
+        m; vertices keep a distance of half of it from shapes, and surfaces a whole thickness from each other.
 
     Raises
     ------

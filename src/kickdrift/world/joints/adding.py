@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from collections.abc import Callable
 from typing import Concatenate, ParamSpec, cast
 
@@ -27,7 +28,27 @@ from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, Tables
 
 P = ParamSpec("P")
-_NAMES = ("__module__", "__name__", "__qualname__", "__doc__")
+_NAMES = ("__module__", "__name__", "__qualname__")
+_TITLE = "Parameters\n----------\n"
+_BODIES = "body_a, body_b : Body\n    None is the ground.\n"
+_OF_ALL = """
+breaking_force, breaking_torque : float
+    The joint breaks if its load, averaged over a step, exceeds this; N, N m.
+name : str, optional
+    For `World.joint`; unique among joints.
+
+Returns
+-------
+Joint
+
+"""
+
+
+def _documentation(kind: Callable[..., Record], before: str = "") -> str:
+    """Return the docstring of a kind with the parameters that its method has before its own, and that all kinds have."""
+    text, _, rest = (inspect.getdoc(kind) or "").partition(_TITLE)
+    own, _, after = rest.partition("\n\n")
+    return text + _TITLE + before + own + _OF_ALL + after
 
 
 def _adds(kind: Callable[P, Record]) -> Callable[Concatenate[AddsJoints, Body | None, Body | None, P], Joint]:
@@ -38,6 +59,7 @@ def _adds(kind: Callable[P, Record]) -> Callable[Concatenate[AddsJoints, Body | 
     def add(self: AddsJoints, body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
+    add.__doc__ = _documentation(kind, _BODIES)
     return cast(Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint], add)
 
 
@@ -52,6 +74,7 @@ def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate[AddsJoints, P], Jo
             self.joints.row(joint)
         return self.joints.add(gear, *gear.bodies())
 
+    add.__doc__ = _documentation(kind)
     return cast(Callable[Concatenate["AddsJoints", P], Joint], add)
 
 

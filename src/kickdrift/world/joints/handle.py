@@ -67,7 +67,10 @@ class Joint(Handle):
 
     @property
     def angles(self) -> Floats:
-        """Angles about the three axes, rad; those of hinges and universal joints count turns."""
+        """Angles about the three axes, rad; those of hinges and universal joints count turns.
+
+        They are not measured, and are zero, where all three axes are open and have neither limits, drive nor friction.
+        """
         views = self._current_views()
         return 0.0 + views.numbers[JOINT_POSITION + 3 : JOINT_POSITION + 6] * views.signs[3:]
 
