@@ -15,10 +15,13 @@ from kickdrift import analysis, methods, plots, systems
 from kickdrift.analysis.advice import advise
 from kickdrift.core.errors import (
     ArgumentError,
+    FileFormatError,
     InterpretedWarning,
     KickdriftError,
     LostBodyError,
     MethodMismatchError,
+    MissingExtraError,
+    UnknownNameError,
     UnsolvedWarning,
 )
 from kickdrift.core.outcomes import Outcome
@@ -85,6 +88,7 @@ __all__ = [
     "Damped",
     "Drive",
     "EnsembleSolution",
+    "FileFormatError",
     "FirstOrder",
     "HairerSoderlind",
     "Hamiltonian",
@@ -98,6 +102,7 @@ __all__ = [
     "LogarithmicHamiltonian",
     "LostBodyError",
     "MethodMismatchError",
+    "MissingExtraError",
     "Motor",
     "Multirate",
     "Newtonian",
@@ -112,6 +117,7 @@ __all__ = [
     "Sphere",
     "System",
     "TimeTransformed",
+    "UnknownNameError",
     "UnsolvedWarning",
     "World",
     "advise",

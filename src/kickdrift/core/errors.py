@@ -43,7 +43,7 @@ class ArgumentError(KickdriftError, ValueError):
 
 
 class UnknownNameError(ArgumentError):
-    """A method, system or body that is not in the catalogue."""
+    """A name that stands for nothing: of a method, a system, a body, a joint or a cloth; the message names others."""
 
 
 class MethodMismatchError(ArgumentError):
@@ -61,7 +61,7 @@ class MethodMismatchError(ArgumentError):
 
 
 class MissingExtraError(KickdriftError, ImportError):
-    """An optional dependency that is not installed."""
+    """An optional package that is not installed; the message gives the command that installs it."""
 
 
 class FileFormatError(KickdriftError):
