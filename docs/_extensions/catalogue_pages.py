@@ -62,13 +62,12 @@ def _method_row(method: Method, measured: float | None) -> list[str]:
         "-" if measured is None else f"{measured:.1f}",
         "yes" if method.symmetric else "no",
         _evaluations(method),
-        f"`{method.spelling}`",
-        method.source,
+        f"`{method.spelling}`<br>{method.source}",  # a column of its own would be as narrow as a word
     ]
 
 
 def _methods_page(measured: dict[str, float | None]) -> str:
-    columns = ("name", "order", "measured", "symmetric", "evaluations a step", "word", "source")
+    columns = ("name", "order", "measured", "symmetric", "evaluations a step", "word, source")
     parts = [_METHODS_TEXT.format(count=len(measured))]
     for kind in Kind:
         own = [method for method in kd.methods.catalogue().values() if method.kind is kind]

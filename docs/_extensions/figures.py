@@ -6,6 +6,7 @@ from typing import Any
 
 from matplotlib import pyplot
 from matplotlib.figure import Figure
+from sphinx_gallery import backreferences
 from sphinx_gallery.scrapers import figure_rst
 
 from kickdrift.viewer.embedded import Embedded
@@ -56,6 +57,8 @@ def _copy_viewers(app: Any, exception: Exception | None) -> None:
 
 
 def setup(app: Any) -> dict[str, bool]:
-    """Bring the viewers to the site."""
+    """Bring the viewers to the site, and give thumbnails, which sphinx-gallery leaves without, a text for who cannot see them."""
+    for name in ("THUMBNAIL_TEMPLATE", "BACKREF_THUMBNAIL_TEMPLATE"):
+        setattr(backreferences, name, getattr(backreferences, name).replace(":alt:\n", ":alt: Picture of {title}\n"))
     app.connect("build-finished", _copy_viewers)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

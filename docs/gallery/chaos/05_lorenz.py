@@ -2,10 +2,11 @@
 Lorenz's butterfly
 ==================
 
-Three numbers that describe air over warm ground (Lorenz 1963). There are no kicks and drifts here, and there is no energy to
-conserve: an extrapolated semi-implicit sweep or a Runge-Kutta method solves such equations. Two runs that begin a millionth
-apart have nothing in common after 30 units of time. Differences grow as :math:`e^{0.9 t}` on average (Benettin and others
-1980 describe how to measure it).
+Three numbers that describe air over warm ground (Lorenz 1963). There are no kicks and drifts here, and there is no
+energy to conserve: an extrapolated semi-implicit sweep or a Runge-Kutta method solves such equations. Two runs that
+begin a millionth apart have nothing in common after 30 units of time.
+
+Differences grow as :math:`e^{0.9 t}` on average (Benettin and others 1980 describe how to measure it).
 """
 
 import matplotlib.pyplot as plt

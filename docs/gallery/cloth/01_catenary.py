@@ -2,9 +2,10 @@
 The catenary
 ============
 
-A chain of 40 links hangs between two points at the same height. Galileo took it for a parabola; it is a hyperbolic cosine (Huygens,
-Leibniz, Johann Bernoulli 1691), :math:`y = a \\cosh (x / a)`. The chain, with a little friction in its joints so that it comes to
-rest, lies on it to two millimetres.
+A chain of 40 links hangs between two points at the same height.
+
+Galileo took it for a parabola; it is a hyperbolic cosine (Huygens, Leibniz, Johann Bernoulli 1691), :math:`y = a \\cosh
+(x / a)`. The chain, with a little friction in its joints so that it comes to rest, lies on it to two millimetres.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,11 @@
 Galileo's slope
 ===============
 
-A ball, a solid cylinder and a ring roll down a slope of 10 degrees, and a block slides beside them without friction. The
-block arrives first, since rolling bodies have to gain rotation as well. :math:`a = g \\sin \\alpha / (1 + I / m r^2)` with
-:math:`I / m r^2` of 2/5, 1/2 and 1.
+A ball, a solid cylinder and a ring roll down a slope of 10 degrees, and a block slides beside them without friction.
+The block arrives first, since rolling bodies have to gain rotation as well.
+
+The acceleration is :math:`a = \\frac{g \\sin \\alpha}{1 + I / (m r^2)}`, with :math:`I / (m r^2)` of 2/5, 1/2 and 1 for
+those that roll, and 0 for the block.
 """
 
 import matplotlib.pyplot as plt

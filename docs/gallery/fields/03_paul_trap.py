@@ -2,10 +2,11 @@
 An ion in Paul's trap
 =====================
 
-No electrostatic field holds a charge: where it is pushed inwards along one axis, it is pushed outwards along another. A field
-that changes its sign fast enough holds it all the same (Paul 1953, Nobel prize 1989), if the parameter :math:`q` of Mathieu's
-equation :math:`x'' = -2 q \\cos(2 \\tau)\\, x` is below 0.908. Here 232 ions, an ensemble, begin at 1 with q from 0.05 to
-1.2: those beyond 0.908 are lost.
+No electrostatic field holds a charge: where it is pushed inwards along one axis, it is pushed outwards along another.
+
+A field that changes its sign fast enough holds it all the same (Paul 1953, Nobel prize 1989), if the parameter
+:math:`q` of Mathieu's equation :math:`x'' = -2 q \\cos(2 \\tau)\\, x` is below 0.908. Here 232 ions, an ensemble, begin
+at 1 with q from 0.05 to 1.2: those beyond 0.908 are lost.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,11 @@
 Disks become a gas
 ==================
 
-Sixty disks in a box have the same speed at first. After some collisions of each, their speeds have Maxwell's distribution,
-which in the plane is :math:`\\frac{v}{T} e^{-v^2 / 2T}`. Only the start is random here: each collision is located in time, and
-conserves energy and momentum.
+Sixty disks in a box have the same speed at first.
+
+After some collisions of each, their speeds have Maxwell's distribution, which in the plane is :math:`\\frac{v}{T}
+e^{-v^2 / (2 T)}` for a mass of 1. Only the start is random here: each collision is located in time, and conserves
+energy and momentum.
 """
 
 import matplotlib.pyplot as plt

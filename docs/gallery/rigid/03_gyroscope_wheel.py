@@ -3,7 +3,7 @@ A wheel on a rope
 =================
 
 A bicycle wheel hangs by one end of its axle, and does not tip over as long as it spins: its weight turns the axle sideways,
-at the rate :math:`m g l / I \\omega`. This classic of lectures has a wheel of 3 kg whose axle hangs on a ball joint, and
+at the rate :math:`m g l / (I \\omega)`. This classic of lectures has a wheel of 3 kg whose axle hangs on a ball joint, and
 which begins with that rate of precession.
 """
 
