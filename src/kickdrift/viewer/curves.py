@@ -71,7 +71,7 @@ def panel(title: str, t: Floats, curves: list[Curve], seconds: float, unit: str)
         '<div id="kickdrift-panel"'
         ' style="position:fixed;left:12px;bottom:52px;padding:8px 10px;background:rgba(255,255,255,.85);color:#222;'
         'font:11px sans-serif;pointer-events:none;border-radius:4px">'
-        f'<div>{escape(title)}, <span id="kickdrift-time"></span></div>'
+        f'<div><h1 style="display:inline;font:inherit">{escape(title)}</h1>, <span id="kickdrift-time"></span></div>'
         f'<svg {size} style="overflow:visible;margin:6px 0;display:block">{lines}'
         f'<path id="kickdrift-now" d="M0 0V{_HEIGHT}" stroke="#222"/></svg>'
         f"<div>{legend}</div>{scale}</div>" + _FOLLOW % json.dumps(about).replace("<", "\\u003c")
