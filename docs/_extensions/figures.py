@@ -57,7 +57,7 @@ def _copy_viewers(app: Any, exception: Exception | None) -> None:
 
 
 def setup(app: Any) -> dict[str, bool]:
-    """Bring the viewers to the site, and give thumbnails, which sphinx-gallery leaves without, a text for who cannot see them."""
+    """Bring the viewers to the site, and give thumbnails a text in place of the empty one of sphinx-gallery."""
     for name in ("THUMBNAIL_TEMPLATE", "BACKREF_THUMBNAIL_TEMPLATE"):
         setattr(backreferences, name, getattr(backreferences, name).replace(":alt:\n", ":alt: Picture of {title}\n"))
     app.connect("build-finished", _copy_viewers)
