@@ -149,6 +149,8 @@ def test_own_bodies_run_as_their_file_says_and_options_overrule_it(folder):
     (folder / "two.toml").write_text(help_texts.SAMPLE_TOML)
     result = call("run", "two.toml")
     assert result.exit_code == cli.DONE, result.output
+    assert result.stderr.splitlines()[0].endswith(" by stormer-verlet")  # as the file has it, and the report
+    assert "stormer-verlet, order 2" in result.stdout
     kept = kd.load(folder / "kickdrift-output" / "two.npz")
     assert (kept.t[-1], kept.step, kept.n_steps) == (100.0, 0.001, 100_000)
     assert kept.t.size == 1001

@@ -178,3 +178,8 @@ def test_the_ephemeris_has_the_epochs_and_masses_of_jpl():
     assert sky.gm[3] / sky.gm[4] == pytest.approx(81.3005690699153, rel=1e-12)
     assert sky.gm[0] == pytest.approx(0.01720209895**2, rel=1e-8)  # Gauss' constant, IAU 1976
     assert sky.au_km == pytest.approx(149_597_870.7, rel=1e-9)  # IAU 2012
+
+
+@pytest.mark.parametrize("name", ["solar-system", "outer-solar-system", "benchmarks-game"])
+def test_conserved_quantities_of_real_bodies_have_units(name):
+    assert all(quantity.unit for quantity in kd.systems.get(name).quantities.values())
