@@ -25,6 +25,7 @@ from kickdrift.engine.flows.layout import (
     estimated_errors,
 )
 from kickdrift.engine.flows.table import FLOWS
+from kickdrift.engine.grid import Course
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import Mark, Rows, Stretch
 from kickdrift.engine.standing import Standing
@@ -114,6 +115,7 @@ class Run:
         self._checkpoint = Checkpoint(self._state.copy(), 0, Mark())
         self._spare: State | None = None
         self._begun, self._seconds = False, 0.0
+        self._last = rows.grid.most if isinstance(rows.grid, Course) else sys.maxsize  # step that this run may reach
 
     @property
     def step(self) -> int:
@@ -131,6 +133,7 @@ class Run:
         mark = self.rows.go_on(standing.rows, standing.step, standing.mark)
         self._checkpoint = Checkpoint(self._state.copy(), standing.step, mark)
         self._begun, self._seconds = True, standing.wall_time
+        self._last += standing.step
         if self._watch is not None and standing.seen is not None:
             t = self.rows.time(standing.step)
             self._watch.go_on(standing.seen, self.rows.grid.step, t, self._state.x.copy(), self._state.v.copy())
@@ -189,8 +192,10 @@ class Run:
         """Do the steps, in chunks that Ctrl-C waits for, each of which ends with a checkpoint."""
         chunk, most = 1, sys.maxsize if self._watch is None else self._watch.most
         while (good := self._checkpoint).step < until and not self.rows.ended(good.step):
+            if good.step == self._last:
+                return Outcome.STEP_LIMIT, " Give a larger max_steps."
             chunk_started = time.perf_counter()
-            target = self.rows.target(min(good.step + min(chunk, most), until))
+            target = self.rows.target(min(good.step + min(chunk, most), until, self._last))
             reached, mark, failure = self._attempt(target)
             if failure is not None:
                 stopped = self._find_last_good(target)
