@@ -263,6 +263,7 @@ def test_members_whose_steps_vary_run_in_turn_with_the_bits_of_runs_alone(contro
     [
         {"step_control": kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)},
         {"step_control": "acceleration", "method": "stormer-verlet"},
+        {"step_control": "distance"},
         {"rtol": 1e-6, "method": "dop853"},
         {"step_control": kd.TimeTransformed(lambda x, params: params[0] / (1.0 + x @ x))},
     ],
