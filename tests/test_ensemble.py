@@ -263,6 +263,7 @@ def test_members_whose_steps_vary_run_in_turn_with_the_bits_of_runs_alone(contro
     [
         {"step_control": kd.HairerSoderlind(lambda x, params: params[0] + x[0] ** 2)},
         {"step_control": "acceleration", "method": "stormer-verlet"},
+        {"step_control": "distance"},
         {"rtol": 1e-6, "method": "dop853"},
         {"step_control": kd.TimeTransformed(lambda x, params: params[0] / (1.0 + x @ x))},
     ],
@@ -357,6 +358,20 @@ def test_a_member_that_fails_is_marked_and_the_others_finish():
     assert np.array_equal(sol.x[1, :reached], alone.x)
     assert np.isnan(sol.x[1, reached:]).all()
     assert np.array_equal(sol[1].t, alone.t)
+
+
+@pytest.mark.parametrize("in_lanes", [True, False])
+def test_a_member_that_goes_to_infinity_ends_after_max_steps_and_the_others_finish(in_lanes, monkeypatch):
+    """x'' = p x^3 from rest at 1 does so at 1.85 / sqrt(p / 2), in ever more steps of the density 1 + x^4."""
+    if not in_lanes:
+        monkeypatch.setattr(running, "numbers_in_turn", lambda prepared, grid: None)
+    options = {"step": 1e-2, "step_control": kd.HairerSoderlind(lambda x: 1 + x**4), "t_eval": [0.5, 1.0]}
+    runs = kd.solve_ensemble(
+        lambda x, params: params[0] * x**3, (0.0, 1.0), 1.0, 0.0, args=[[1.0], [8.0], [2.0]], max_steps=900, **options
+    )
+    assert [status.name for status in runs.status] == ["COMPLETED", "STEP_LIMIT", "COMPLETED"]
+    assert (runs.n_steps[1], runs.x[1, 1]) == (900, pytest.approx(np.nan, nan_ok=True))
+    assert "Give a larger max_steps" in runs.messages[1]
 
 
 def test_a_member_whose_function_raises_is_marked_and_the_others_finish():

@@ -2,6 +2,7 @@
 
 import json
 import warnings
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -441,6 +442,59 @@ def test_steps_lost_beside_the_time_in_a_close_encounter_end_no_run():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert np.isfinite(sol(np.linspace(0, 20, 100)).x).all()
+
+
+EVERY_CONTROL = (
+    kd.LocalError(1e-9, 1e-9),
+    kd.HairerSoderlind(lambda x: 1 + x[0] ** 4),
+    kd.HuangLeimkuhler(),
+    kd.TimeTransformed(),
+    kd.LogarithmicHamiltonian(),
+)
+
+
+@pytest.mark.parametrize("control", EVERY_CONTROL, ids=_ids)
+def test_max_steps_ends_any_run_whose_steps_vary_and_it_can_go_on(control):
+    """x'' = 5 x^3 reaches infinity at t = 0.829, and with the density 1 + x^4 in steps of which each still counts."""
+    run = partial(
+        kd.solve,
+        kd.SecondOrder(lambda x: 5 * x**3, energy=lambda x, v: v @ v / 2 - 5 * x @ x**3 / 4),
+        (0, 10.0),
+        [1.0],
+        [0.0],
+    )
+    options = {"step": 1e-2, "step_control": control, "method": "velocity-verlet", "save_every": 7}
+    some, more = run(max_steps=40, **options), run(max_steps=64, **options)
+    assert (some.status, some.n_steps) == (Outcome.STEP_LIMIT, 40)
+    assert "after 40 steps. Give a larger max_steps" in some.message
+    on = some.continue_to(10.0)
+    assert (on.status, on.n_steps) == (Outcome.STEP_LIMIT, 80)
+    assert np.array_equal(on.x[:10], more.x[:10])
+    assert np.array_equal(run(max_steps=80, **options).x, on.x)
+
+
+def test_equal_steps_beyond_max_steps_are_refused():
+    run = partial(kd.solve, _eccentric(), (0.0, 1.0), step=0.01)
+    assert run(max_steps=100).success
+    with pytest.raises(ArgumentError, match=r"max_steps=99: step=0\.01 cuts t_span into 100 steps"):
+        run(max_steps=99)
+    with pytest.raises(ArgumentError, match="max_steps=0 must be a positive whole number"):
+        run(max_steps=0, step_control="distance")
+
+
+def test_a_run_that_resumes_may_take_max_steps_again(tmp_path):
+    run = partial(
+        kd.solve,
+        _eccentric(),
+        (0.0, 20.0),
+        step=1e-3,
+        step_control="distance",
+        checkpoint=tmp_path,
+        checkpoint_every=30,
+    )
+    assert [run(max_steps=100).n_steps for _ in range(3)] == [100, 200, 300]
+    whole = kd.solve(_eccentric(), (0.0, 20.0), step=1e-3, step_control="distance")
+    assert np.array_equal(run().x, whole.x)
 
 
 def test_a_function_that_fails_later_keeps_what_is_done():

@@ -155,6 +155,30 @@ def test_bodies_without_mass_are_attracted_and_do_not_attract():
     assert np.abs(s.x[:, 1] - alone.x[:, 1]).max() < 1e-13
 
 
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: kd.systems.harmonic_oscillator(x0=math.nan), "x0 of 'harmonic-oscillator' would contain nan"),
+        (lambda: kd.systems.harmonic_oscillator(omega=1e200), "params of 'harmonic-oscillator' would contain inf"),
+        (lambda: kd.systems.kepler(mu=1e308), "v0 of 'kepler' would contain inf"),
+        (
+            lambda: kd.systems.nbody([1], [[0, 0, 0]], [[0, 0, 0]], softening=1e200),
+            "params of 'nbody' would contain inf",
+        ),
+    ],
+)
+def test_numbers_that_are_not_finite_are_refused_where_systems_are_made(make, sentence):
+    with pytest.raises(kd.ArgumentError, match=sentence):
+        make()
+
+
+@pytest.mark.parametrize("axis", [1e-200, 1e200])
+def test_orbits_of_any_size_are_made(axis):
+    x, v = kd.systems.kepler(eccentricity=0.6, semi_major_axis=axis).exact(0.0)
+    assert x == pytest.approx([0.4 * axis, 0.0], rel=1e-14)
+    assert v == pytest.approx([0.0, 2.0 / math.sqrt(axis)], rel=1e-14)
+
+
 def test_solar_system_chooses_bodies_in_the_order_given():
     system = kd.systems.solar_system(["jupiter", "Sun"])
     assert system.coordinates["body"] == ["Jupiter", "Sun"]

@@ -12,6 +12,8 @@ from kickdrift.core.units import has_unit
 Floats = NDArray[np.float64]
 # Kinds of dtypes that are refused: complex numbers would lose their imaginary parts, texts and dates would become numbers.
 _NO_NUMBERS = "cSUMmV"
+MOST_STEPS = 2**62
+"""No run has as many, and 64 bits count them."""
 _FEW = 32  # numbers that Python checks as fast as NumPy
 
 
@@ -78,3 +80,12 @@ def choice(argument: str, value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise ArgumentError(f"{argument}={value!r} must be True or False.")
     return bool(value)
+
+
+def number_of_steps(argument: str, value: int | None, default: int = MOST_STEPS) -> int:
+    """Return the number of steps that a user gives, at most `MOST_STEPS`; ArgumentError for anything else."""
+    if value is None:
+        return default
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise ArgumentError(f"{argument}={value!r} must be a positive whole number of steps.")
+    return min(int(value), MOST_STEPS)

@@ -23,6 +23,7 @@ class Outcome(Enum):
     FAILED = "A function raised an error; the solution ends with the last good state."
     NOT_WRITTEN = "The output could not be written; the run ends there, and what was written before is intact."
     NO_STEP = "No valid size was found for the next step."
+    STEP_LIMIT = "As many steps as max_steps were taken before the end of t_span; everything up to there is kept."
     NOT_CONVERGED = "The equations of an implicit step were not solved; the solution ends with the last good state."
 
     @property

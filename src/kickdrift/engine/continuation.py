@@ -1,4 +1,4 @@
-"""Runs that continue from their current state, with the bits of an uninterrupted run."""
+"""Runs that continue from their current state, with the bits of an uninterrupted run, or go back from there."""
 
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -7,6 +7,7 @@ from typing import Any
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.engine.grid import Course, Grid, lengthen
 from kickdrift.engine.report import report
+from kickdrift.engine.reversal import back_from
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.task import Journey, Task
@@ -29,8 +30,10 @@ class Continuation:
     def __reduce__(self) -> tuple[Any, ...]:
         return _forgotten, ()  # the system may hold functions that cannot be pickled
 
-    def __call__(self, t: float) -> Solution:
-        """Run on to another end; see `Solution.continue_to`."""
+    def __call__(self, t: float, back: bool = False) -> Solution:
+        """Run on to another end, see `Solution.continue_to`, or back; see `Solution.return_to`."""
+        if back:
+            return carry_out(back_from(self.task, self.standing, t))
         grid = self._grid(t)
         if self.task.tables is not None:
             self.task.tables.check(grid)

@@ -57,6 +57,8 @@ class Controller:
         The controller of parts of steps, for states between them.
     takes_back : bool
         Whether steps can be rejected.
+    reversible : bool
+        Whether the same steps lead back.
     surfaces : Surfaces or None
         Surfaces of impacts, for events.
     function : Quantity or None
@@ -71,6 +73,7 @@ class Controller:
     tolerances: Floats = field(default_factory=lambda: np.zeros(0))
     between: Controller | None = None
     takes_back: bool = False
+    reversible: bool = False
     surfaces: Surfaces | None = None
     function: Quantity | None = None
 
@@ -91,6 +94,14 @@ class Controller:
         work[layout.SMALLEST] = math.inf
         work[own : own + self.params.size] = self.params
         layout.control_memory(n, work)[6 * n : 6 * n + self.tolerances.size] = self.tolerances
+
+
+def turn_back(work: Floats, end: float) -> None:
+    """Let the steps go back to a time, from the density that they have reached."""
+    work[layout.FIRST_STEP], work[layout.END] = -work[layout.FIRST_STEP], end
+    work[layout.SMALLEST], work[layout.LARGEST] = math.inf, 0.0
+    work[layout.EVALUATIONS] = work[layout.TAKEN_BACK] = work[layout.LOST_STEPS] = 0.0
+    work[layout.KEPT_BY] = 0.0  # a matrix for steps forwards
 
 
 def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayLike | None) -> StepControl | None:
@@ -142,7 +153,7 @@ def controlled(
         parts = {**system.parts, "energy": energy.function}
         name, params = "logarithmic Hamiltonian", _params(energy, system)
         return replace(system, parts=parts), _in_its_own_time(
-            Controller(name, wanted.conserves, wanted.spelled, params)
+            Controller(name, wanted.conserves, wanted.spelled, params, reversible=True)
         )
     check_merging(wanted.density, system)
     density, named, sees_v, dear = _density(wanted.density, system, adapt)
@@ -154,7 +165,8 @@ def controlled(
         spelled = _seeing_v
     name = f"{_SCHEMES[type(wanted)]}, density by {named}"
     parts = {**system.parts, "density": density.function}
-    controller = Controller(name, wanted.conserves, spelled, _params(density, system), dear, function=density)
+    numbers = _params(density, system)
+    controller = Controller(name, wanted.conserves, spelled, numbers, dear, reversible=True, function=density)
     if isinstance(wanted, TimeTransformed):
         controller = _in_its_own_time(controller)
     return replace(system, parts=parts), controller

@@ -17,8 +17,12 @@ acceleration: Function = unbound
 
 @compiled
 def _by_distance(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
-    """Write the square root of the sum of 1 / r^3 over all pairs of bodies, or for the distance from the origin."""
-    size = int(params[0])
+    """Write the square root of the sum of 1 / r^3 over all pairs of bodies, or for the distance from the origin.
+
+    The last of the params is the number of coordinates of a body; the others are those of the system, as members of an ensemble
+    have them.
+    """
+    size = int(params[params.size - 1])
     total = 0.0
     for i in range(0, x.size, size):
         for j in range(i):
@@ -49,7 +53,7 @@ def _by_acceleration(t: float, x: Floats, v: Floats, params: Floats, out: Floats
 def by_distance(system: System) -> Quantity:
     """Return the density by the distances between bodies in a state (N, d), or from the origin of a state (d,)."""
     size = system.x0.shape[-1] if system.x0.ndim > 1 else system.x0.size
-    return Quantity(_by_distance, params=np.array([float(size)]))
+    return Quantity(_by_distance, params=np.append(system.params, float(size)))
 
 
 def by_acceleration(system: System) -> Quantity:

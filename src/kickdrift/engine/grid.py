@@ -10,11 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.arguments import real, reals
+from kickdrift.core.arguments import MOST_STEPS, number_of_steps, real, reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.room import check_kept
-
-_LONGEST_STRIDE = 2**62  # steps: no run has as many, and 64 bits count them
 
 
 @dataclass(frozen=True)
@@ -71,6 +69,8 @@ class Course:
         The times of the solution's rows, if they were given; they may lie between steps.
     streamed : bool
         Whether rows go to disk.
+    most : int
+        Number of steps that one call may take.
     """
 
     t0: float
@@ -80,6 +80,7 @@ class Course:
     marks: NDArray[np.float64]
     wanted: NDArray[np.float64] | None = None
     streamed: bool = False
+    most: int = MOST_STEPS
 
 
 def lay_course(
@@ -89,8 +90,9 @@ def lay_course(
     save_every: int | None,
     divides: bool = False,
     streamed: bool = False,
+    max_steps: int | None = None,
 ) -> Course:
-    """Lay out a run with variable steps; the first one is by default a thousandth of the span.
+    """Lay out a run with variable steps, of at most `max_steps`; the first one is by default a thousandth of the span.
 
     With `divides`, for steps that are equal but for cuts, the first one divides the span.
 
@@ -100,16 +102,18 @@ def lay_course(
         For an invalid span or step, or times outside the span.
     """
     t0, t1 = _span(t_span)
-    length = abs(t1 - t0)
+    length, most = abs(t1 - t0), number_of_steps("max_steps", max_steps)
     first = math.copysign(1e-3 * length if step is None else min(_largest_step(step, length, 0.0), length), t1 - t0)
     if divides:
         first = (t1 - t0) / max(1, math.ceil(length / abs(first) * (1 - 1e-12)))
     if t_eval is None:
-        return Course(t0, t1, first, _stride(save_every), np.array([t1]), streamed=streamed)
+        return Course(
+            t0, t1, first, number_of_steps("save_every", save_every, 1), np.array([t1]), streamed=streamed, most=most
+        )
     _check_one_of(t_eval, save_every)
     wanted = _wanted_times(t_eval, t0, t1)
     marks = np.unique(np.append(np.clip(wanted, min(t0, t1), max(t0, t1)), t1))
-    return Course(t0, t1, first, 0, marks if t1 > t0 else marks[::-1].copy(), wanted, streamed)
+    return Course(t0, t1, first, 0, marks if t1 > t0 else marks[::-1].copy(), wanted, streamed, most)
 
 
 def lay_grid(
@@ -119,14 +123,15 @@ def lay_grid(
     save_every: int | None,
     state_size: int,
     streamed: bool = False,
+    max_steps: int | None = None,
 ) -> Grid:
     """Lay a whole number of equal steps, none larger than `step`, over the span.
 
     Raises
     ------
     ArgumentError
-        For an invalid span or step, times outside the span, or more rows than fit in memory, unless they are `streamed` to
-        disk.
+        For an invalid span or step, times outside the span, more steps than `max_steps`, or more rows than fit in memory,
+        unless they are `streamed` to disk.
     """
     t0, t1 = _span(t_span)
     length, farthest = abs(t1 - t0), max(abs(t0), abs(t1))
@@ -139,6 +144,10 @@ def lay_grid(
         raise ArgumentError(
             f"step={step!r} is lost to rounding beside times of {farthest!r}; shift the origin of time closer."
         )
+    if n_steps > number_of_steps("max_steps", max_steps):
+        raise ArgumentError(
+            f"max_steps={max_steps!r}: step={step!r} cuts t_span into {n_steps} steps; give a larger max_steps or step."
+        )
     h = (t1 - t0) / n_steps
     if t_eval is not None:
         _check_one_of(t_eval, save_every)
@@ -149,7 +158,7 @@ def lay_grid(
         save_steps = np.unique(save_steps)
         times = np.where(save_steps == n_steps, t1, t0 + save_steps * h)
         return Grid(t0, t1, h, n_steps, save_steps, times, wanted, streamed=streamed)
-    every = _stride(save_every)
+    every = number_of_steps("save_every", save_every, 1)
     if streamed:
         nothing = np.zeros(0)
         return Grid(t0, t1, h, n_steps, nothing.astype(np.int64), nothing, every=every, streamed=True)
@@ -257,13 +266,6 @@ def _check_one_of(t_eval: ArrayLike, save_every: int | None) -> None:
         raise ArgumentError(
             f"save_every={save_every!r} and t_eval are both given, but each determines the times to keep; give one."
         )
-
-
-def _stride(save_every: int | None) -> int:
-    stride = 1 if save_every is None else save_every
-    if isinstance(stride, bool) or not isinstance(stride, int | np.integer) or stride < 1:
-        raise ArgumentError(f"save_every={save_every!r} must be a positive whole number of steps.")
-    return min(int(stride), _LONGEST_STRIDE)
 
 
 def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64]:

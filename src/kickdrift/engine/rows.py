@@ -13,6 +13,7 @@ from kickdrift.engine.loop import ACCEPTED, ROWS, TRIALS, WANTED
 from kickdrift.engine.stepper import State, Stepper
 
 Floats = NDArray[np.float64]
+_CLOCK_ROUNDING = 16 * np.finfo(float).eps  # of a few thousand steps there and back
 _BAR = 1000  # parts of a progress bar if the number of steps is not known
 
 
@@ -254,8 +255,8 @@ Rows = GridRows | CourseRows
 
 
 def is_beyond(grid: Course, t: float) -> bool:
-    """Whether a time is beyond the end."""
-    return bool(abs(t - grid.t0) > abs(grid.t1 - grid.t0) * (1 + 1e-15))
+    """Whether a time is beyond the end by more than the rounding of the clock."""
+    return bool(abs(t - grid.t0) > abs(grid.t1 - grid.t0) + _CLOCK_ROUNDING * max(abs(grid.t0), abs(grid.t1)))
 
 
 def _larger(array: Floats, size: int) -> Floats:

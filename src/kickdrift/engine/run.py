@@ -10,21 +10,10 @@ from numpy.typing import NDArray
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.events import Watch
-from kickdrift.engine.flows.layout import (
-    CHATTERING,
-    CROWDED,
-    EVALUATIONS,
-    FAILED_CONTROL,
-    JAMMED,
-    LOST_TO_ROUNDING,
-    MISSED_SWITCH,
-    NOT_HELD,
-    TAKEN_BACK,
-    TROUBLE,
-    UNSIGNED_GAP,
-    estimated_errors,
-)
+from kickdrift.engine.flows.layout import EVALUATIONS, FAILED_CONTROL, TAKEN_BACK, TROUBLE, estimated_errors
 from kickdrift.engine.flows.table import FLOWS
+from kickdrift.engine.grid import Course
+from kickdrift.engine.no_step import NO_STEP
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.rows import Mark, Rows, Stretch
 from kickdrift.engine.standing import Standing
@@ -36,38 +25,6 @@ Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and a sentence on its cause
 _NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
-_NO_STEP = {
-    FAILED_CONTROL: " The step control returned NaN, or the motion was lost.",
-    LOST_TO_ROUNDING: (
-        " The steps have become shorter than the spacing of numbers at t: the motion goes to infinity there, bodies collide,"
-        " or a function jumps or is not a number."
-    ),
-    JAMMED: (
-        " No time passes between impacts: bodies are jammed without clearance, or a gap closes where its gradient is"
-        " zero. Leave some clearance, or use a lower restitution."
-    ),
-    CHATTERING: (
-        " There the force on both sides of a switch leads back to it, and the motion slides along it, as in dry friction"
-        " at rest. That needs a force linear in the side, which is then a number between -1 and 1: write"
-        " -0.2 * params[-1], and not -0.2 if params[-1] > 0 else 0.2."
-    ),
-    MISSED_SWITCH: (
-        " The motion slides along switches, but no sides were found with which the step ends at them: their effects are"
-        " nearly the same, or change too much within the step. Try a smaller step."
-    ),
-    NOT_HELD: (
-        " A resting body cannot be kept on all its surfaces: they leave no room, or curve too much within a step."
-        " Leave some clearance, or try a smaller step."
-    ),
-    CROWDED: (
-        " More gaps are closed at once than twice the numbers of the state, so most are redundant; give one gap per"
-        " surface."
-    ),
-    UNSIGNED_GAP: (
-        " A gap has reached zero and grown again without becoming negative, so that its sides cannot be told apart;"
-        " give a function that is negative where bodies overlap, such as x instead of abs(x) or x**2."
-    ),
-}
 
 
 @dataclass(frozen=True)
@@ -114,6 +71,7 @@ class Run:
         self._checkpoint = Checkpoint(self._state.copy(), 0, Mark())
         self._spare: State | None = None
         self._begun, self._seconds = False, 0.0
+        self._last = rows.grid.most if isinstance(rows.grid, Course) else sys.maxsize  # step that this run may reach
 
     @property
     def step(self) -> int:
@@ -131,6 +89,7 @@ class Run:
         mark = self.rows.go_on(standing.rows, standing.step, standing.mark)
         self._checkpoint = Checkpoint(self._state.copy(), standing.step, mark)
         self._begun, self._seconds = True, standing.wall_time
+        self._last += standing.step
         if self._watch is not None and standing.seen is not None:
             t = self.rows.time(standing.step)
             self._watch.go_on(standing.seen, self.rows.grid.step, t, self._state.x.copy(), self._state.v.copy())
@@ -189,8 +148,10 @@ class Run:
         """Do the steps, in chunks that Ctrl-C waits for, each of which ends with a checkpoint."""
         chunk, most = 1, sys.maxsize if self._watch is None else self._watch.most
         while (good := self._checkpoint).step < until and not self.rows.ended(good.step):
+            if good.step == self._last:
+                return Outcome.STEP_LIMIT, " Give a larger max_steps."
             chunk_started = time.perf_counter()
-            target = self.rows.target(min(good.step + min(chunk, most), until))
+            target = self.rows.target(min(good.step + min(chunk, most), until, self._last))
             reached, mark, failure = self._attempt(target)
             if failure is not None:
                 stopped = self._find_last_good(target)
@@ -221,8 +182,8 @@ class Run:
         except Exception as error:
             return step, mark, _raised(error)
         residual = self._state.work[TROUBLE]
-        if residual in _NO_STEP:
-            return reached, mark, (Outcome.NO_STEP, _NO_STEP[residual])
+        if residual in NO_STEP:
+            return reached, mark, (Outcome.NO_STEP, NO_STEP[residual])
         if residual != 0.0:
             why = (
                 "."
@@ -276,7 +237,7 @@ class Run:
         if outcome is not Outcome.COMPLETED:
             t = self.rows.time(good.step) if self._stop is None else self._stop.t
             message += f" It ends at t={t!r}, after {self.rows.steps_of(good.step)}.{cause}"
-        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == _NO_STEP[FAILED_CONTROL]:
+        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == NO_STEP[FAILED_CONTROL]:
             message += " Try a smaller step."
         evaluations = good.mark.trials * program.evaluations
         evaluations += sum(FLOWS[name].evaluations for name in program.primers) + int(self._state.work[EVALUATIONS])

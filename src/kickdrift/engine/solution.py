@@ -59,7 +59,7 @@ class Solution(Presented):
     dense : DenseOutput or None
         The interpolant behind ``solution(t)``; None for loaded solutions, and for Langevin dynamics.
     continuation : callable or None
-        The function behind `continue_to`; None for loaded solutions.
+        The function behind `continue_to` and `return_to`; None for loaded solutions.
     saved_to : str
         Folder with the rows, of which this solution has only the first and the last; empty if it has all.
 
@@ -95,7 +95,7 @@ class Solution(Presented):
     x_events: tuple[Floats, ...] = ()
     v_events: tuple[Floats, ...] = ()
     dense: DenseOutput | None = field(default=None, repr=False)
-    continuation: Callable[[float], Solution] | None = field(default=None, repr=False)
+    continuation: Callable[..., Solution] | None = field(default=None, repr=False)
     saved_to: str = ""
 
     @property
@@ -226,6 +226,47 @@ class Solution(Presented):
         >>> sol.continue_to(2.0)
         <Solution of kepler by semi-implicit-euler: 201 times from 0 to 2, 200 steps of 0.01, completed>
         """
+        return self._continuation()(t)
+
+    def return_to(self, t: float) -> Solution:
+        """Go back to an earlier time, by the steps of this run in reverse.
+
+        For reversible steps that vary, which then lead back to the start up to rounding: they go on with the density that
+        they have reached, and from the end of the last step. A new run of `kickdrift.solve` from the end takes other steps,
+        by the density there, which those of this run follow with an error of their own. Where steps are equal, it takes the
+        same ones.
+
+        Parameters
+        ----------
+        t : float
+            A time of the run.
+
+        Returns
+        -------
+        Solution
+            From the end of the last step, which may lie a fraction of a step beyond that of the run, back to the time, with
+            one row in as many steps, or at the same times.
+
+        Raises
+        ------
+        ArgumentError
+            For another time than that, for equal steps, and for steps that do not lead back: by local error, or cut by
+            impacts or switches.
+        KickdriftError
+            If the solution was loaded from a file or comes from another process, without its equations.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> comet = kd.systems.kepler(eccentricity=0.9)
+        >>> sol = kd.solve(comet, (0.0, 20.0), step=1e-3, step_control="distance")
+        >>> back = sol.return_to(0.0)
+        >>> bool(abs(back.x[-1] - comet.x0).max() < 1e-12)
+        True
+        """
+        return self._continuation()(t, back=True)
+
+    def _continuation(self) -> Callable[..., Solution]:
         if self.saved_to:
             raise KickdriftError(
                 f"the rows are in {self.saved_to!r}: solve to the later end with the same save_to and checkpoint."
@@ -235,7 +276,7 @@ class Solution(Presented):
                 "this solution was read from a file or sent from another process, without its equations; to continue a run in"
                 " another process, solve with checkpoint='folder'."
             )
-        return self.continuation(t)
+        return self.continuation
 
     def __repr__(self) -> str:
         return (

@@ -51,6 +51,7 @@ def solve(
     step_control: StepControl | Callable[..., Any] | str | None = None,
     rtol: float | None = None,
     atol: ArrayLike | None = None,
+    max_steps: int | None = None,
     args: Sequence[float] | None = None,
     compensated: bool = True,
     compile: bool = True,  # noqa: A002 - a promised name
@@ -114,6 +115,10 @@ def solve(
         step.
     rtol, atol : float, optional
         Tolerances, relative and absolute, for ``step_control=kd.LocalError(rtol, atol)``; 1e-3 and 1e-6 where one is given.
+    max_steps : int, optional
+        Most steps that the call may take. The number of steps that vary is not known before, and has no limit where the
+        motion goes to infinity: the run then ends with the states until then, and ``solution.continue_to`` goes on. By
+        default there is no limit.
     args : sequence of float, optional
         Numbers passed to the functions as ``params``.
     compensated : bool
@@ -189,7 +194,7 @@ def solve(
     kept: Checkpoints | None = None
     store: ZarrStore | None = None
     try:
-        grid = steering.lay(t_span, step, t_eval, save_every, start.x.size, save_to is not None)
+        grid = steering.lay(t_span, step, t_eval, save_every, start.x.size, save_to is not None, max_steps)
         with compiling_announced(progress):
             adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
             system = steering.describe(problem, start, adapter)

@@ -58,6 +58,7 @@ class Steering:
         save_every: int | None,
         state_size: int,
         streamed: bool = False,
+        max_steps: int | None = None,
     ) -> Grid | Course:
         """Lay out the steps of the span.
 
@@ -67,8 +68,8 @@ class Steering:
             As `kickdrift.engine.grid.lay_grid`.
         """
         if not self.varies:
-            return lay_grid(t_span, step, t_eval, save_every, state_size, streamed)
-        return lay_course(t_span, step, t_eval, save_every, self.cuts, streamed)
+            return lay_grid(t_span, step, t_eval, save_every, state_size, streamed, max_steps)
+        return lay_course(t_span, step, t_eval, save_every, self.cuts, streamed, max_steps)
 
     def describe(self, problem: Any, start: Start, adapter: Adapter) -> System:
         """Describe the problem as a system, with the sides of switches appended to its params.

@@ -137,6 +137,10 @@ class UnitSolution(Solution):
             self.plain.continue_to(units.numbers("t", t, self._inside.t)), self._inside, self._outside
         )
 
+    def return_to(self, t: Any) -> "Solution":
+        """Go back to an earlier time, a quantity; see `Solution`."""
+        return UnitSolution.of(self.plain.return_to(units.numbers("t", t, self._inside.t)), self._inside, self._outside)
+
     def __repr__(self) -> str:
         return repr(self.plain)
 

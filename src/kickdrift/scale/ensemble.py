@@ -61,6 +61,7 @@ def solve_ensemble(
     step_control: StepControl | Callable[..., Any] | str | None = None,
     rtol: float | None = None,
     atol: ArrayLike | None = None,
+    max_steps: int | None = None,
     args: ArrayLike | Mapping[str, Any] | None = None,
     seeds: Sequence[int] | None = None,
     compensated: bool = True,
@@ -100,6 +101,8 @@ def solve_ensemble(
         times; the others go on.
     impacts, switches, step_control, rtol, atol
         As for `kickdrift.solve`: variable steps, separately for each member, with `t_eval` for the times to keep.
+    max_steps : int, optional
+        As for `kickdrift.solve`: most steps of a member, so that none keeps the others waiting without end.
     args : array_like or mapping, optional
         Numbers passed to the functions as ``params``: p for all, or (M, p). Or a range for each by name, in the order of
         ``params``, ``{"stiffness": np.linspace(1, 9, 81), "damping": [0.1, 0.2]}``: the members are the product of all
@@ -173,7 +176,17 @@ def solve_ensemble(
     members = members_of(problem, x0, v0, args, step, seeds)
     steering = steering_of(step_control, members.step_of(0), rtol, atol, impacts, switches)
     settings = Settings(
-        t_span, method, order, t_eval, save_every, steering, compensated, compiles, check_bounds, functions_of(events)
+        t_span,
+        method,
+        order,
+        t_eval,
+        save_every,
+        steering,
+        compensated,
+        compiles,
+        check_bounds,
+        functions_of(events),
+        max_steps,
     )
     prepared = prepare(members, settings, progress, to_disk=save_to is not None)
     results = prepared.room(save_to is not None)

@@ -110,4 +110,5 @@ def identity_of(prepared: Prepared) -> dict[str, str]:
         "step_control, impacts or switches": digest(written(settings.steering)),
         "save_every or t_eval": digest(written(prepared.t)),
         "events": digest(written(marked(settings.events))),
+        "max_steps": repr(settings.max_steps),
     }

@@ -49,6 +49,7 @@ class Settings:
     compile: bool
     check_bounds: bool
     events: tuple[Callable[..., Any], ...] = ()
+    max_steps: int | None = None
 
 
 @dataclass(frozen=True)
@@ -221,7 +222,7 @@ def prepare(
     for indices in members.cohorts():
         numbers, step = (1 if to_disk else members.count) * start.x.size, members.step_of(int(indices[0]))
         given = settings.t_span, step, settings.t_eval, settings.save_every
-        cohorts.append(Cohort(indices, steering.lay(*given, numbers)))
+        cohorts.append(Cohort(indices, steering.lay(*given, numbers, max_steps=settings.max_steps)))
     first = cohorts[0].grid
     t = _times(first)
     if any(not np.array_equal(t, _times(cohort.grid)) for cohort in cohorts):

@@ -124,6 +124,8 @@ class Runs:
         size = int(_TASK_SECONDS / max(seconds, 1e-6))
         if size > 1 and rest.indices.size and (numbers := numbers_in_turn(self._prepared, cohort.grid)) is not None:
             most = _MOST_STEPS * int(self.results.n_steps[first])
+            if isinstance(cohort.grid, Course):
+                most = min(most, cohort.grid.most)
             self._tasks += self._split(self._run_in_turn, rest, size, numbers, most)
             return
         self._tasks += [partial(self._run_alone, int(i), cohort) for i in rest.indices]
@@ -215,6 +217,7 @@ class Runs:
                     impacts=settings.steering.impacts,
                     switches=settings.steering.switches,
                     events=settings.events or None,
+                    max_steps=settings.max_steps,
                     args=args,
                     compensated=settings.compensated,
                     compile=settings.compile and prepared.system.native,

@@ -75,7 +75,7 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     for name, value in (("semi_major_axis", a), ("mu", mu)):
         if not (math.isfinite(value) and value > 0):
             raise ArgumentError(f"{name}={value!r} must be positive and finite.")
-    mean_motion = math.sqrt(mu / a**3)
+    mean_motion = math.sqrt(mu / a) / a  # a**3 may be beyond the range of floats
 
     def exact(t: Floats) -> tuple[Floats, Floats]:
         # Murray, Dermott, Solar System Dynamics (1999), section 2.4.

@@ -167,7 +167,7 @@ def nbody(
         unthreaded=_many if shared else None,
         x0=positions,
         v0=velocities,
-        params=np.concatenate([[G, softening**2], gm]),
+        params=np.concatenate([[G, softening * softening], gm]),
         quantities=_quantities(gm / float(G) if G else gm, positions, velocities),
         packaged=True,
         dimensions=("body", "space"),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.arguments import reals
+from kickdrift.core.arguments import all_finite, reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.html import facts
 from kickdrift.core.kinds import Kind
@@ -176,6 +176,13 @@ class System:
                 f" {self.params.shape}; the first two must be equal (v0 empty for first-order equations), and params a"
                 " list."
             )
+        for name in ("x0", "v0", "params"):
+            if self.packaged and not all_finite(numbers := getattr(self, name)):
+                bad = float(numbers[~np.isfinite(numbers)][0])
+                raise ArgumentError(
+                    f"{name} of {self.name!r} would contain {bad!r}: an argument is not finite, or so large that numbers made"
+                    " of it are not; choose other units."
+                )
         if self.kind is Kind.NEARLY_KEPLERIAN and "remainder" not in self.parts:
             raise ArgumentError(
                 f"parts={sorted(self.parts)!r} of {self.name!r} has no 'remainder', the acceleration that the Kepler"

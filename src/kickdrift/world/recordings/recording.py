@@ -93,6 +93,25 @@ class Recording(Solution):
             " state."
         )
 
+    def return_to(self, t: float) -> Solution:
+        """Refuse, since the steps of a world do not lead back.
+
+        Raises
+        ------
+        KickdriftError
+            Always.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> recording = kd.World().run(duration=0.1, step=0.01)
+        >>> recording.return_to(0.0)
+        Traceback (most recent call last):
+        ...
+        kickdrift.core.errors.KickdriftError: the steps of a world, with contacts, do not lead back; see earlier rows.
+        """
+        raise KickdriftError("the steps of a world, with contacts, do not lead back; see earlier rows.")
+
     def __getattr__(self, name: str) -> Any:
         known = name in self.__dataclass_fields__
         raise AttributeError(
