@@ -1,6 +1,7 @@
 """Compiled functions: what is compiled, what is kept on disk, and what other processes do of it."""
 
 import importlib.util
+import math
 import os
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import numba
 import numpy as np
 import pytest
 from numba import types
+from numba.core.errors import TypingError
 from numba.core.registry import cpu_target
 
 from kickdrift.core import contexts, views
@@ -341,3 +343,82 @@ def test_views_are_the_same_compiled_and_interpreted():
         function(array, out)
     assert np.array_equal(*outs)
     assert outs[0].tolist() == [3.1, 2.0, float(np.float64(-2.0).view(np.int64)), 0.1]
+
+
+@compiled(cached=False)
+def _norm(vector):
+    return np.linalg.norm(vector)
+
+
+@compiled(cached=False)
+def norm(vector):
+    return _norm(vector)  # which is compiled as what users write; the function called by the interpreter, by Numba
+
+
+@compiled(cached=False)
+def _norm_of_order(vector, order):
+    return np.linalg.norm(vector, order)
+
+
+@compiled(cached=False)
+def norm_of_order(vector, order):
+    return _norm_of_order(vector, order)
+
+
+def test_norms_neither_overflow_nor_underflow():
+    tiny, huge, least = 1e-200, 1e200, 5e-324
+    for vector, expected in (
+        ([3.0, 4.0], 5.0),
+        ([-3.0 * huge, 4.0 * huge], 5.0 * huge),
+        ([3.0 * tiny, -4.0 * tiny], 5.0 * tiny),
+        ([-3e-155, 4e-155, 0.0], 5e-155),  # the sum of squares is subnormal
+        ([2.0, tiny], 2.0),
+        ([huge, 2.0], huge),
+        ([3 * least, -4 * least], 5 * least),
+        ([np.finfo(float).max, 1.0], np.finfo(float).max),
+        ([np.finfo(float).max, np.finfo(float).max], np.inf),
+        ([1.0, -np.inf], np.inf),
+        ([0.0, -0.0], 0.0),
+        ([], 0.0),
+    ):
+        assert norm(np.array(vector)) == pytest.approx(expected, rel=4e-16, abs=0.0), vector
+    assert math.isnan(norm(np.array([1.0, np.nan])))
+    assert math.isnan(norm(np.array([np.inf, np.nan])))  # as in NumPy
+    every_second = np.arange(6.0)[::2]
+    assert norm(every_second) == norm(every_second[::-1]) == math.sqrt(20.0)
+
+
+def test_all_other_norms_are_those_of_numba():
+    matrix = np.array([[1.0, 2.0], [3.0, 4.0]])
+    assert norm(matrix) == pytest.approx(math.sqrt(30.0), rel=1e-15)
+    assert [norm_of_order(matrix[1], order) for order in (1, 2)] == [7.0, 5.0]
+    assert norm(np.array([3.0, 4.0j])) == 5.0
+    single = np.array([3.0, 4.0], dtype=np.float32)
+    assert (norm(single), norm.get_compile_result((types.float32[::1],)).signature.return_type) == (5.0, types.float32)
+    for refused, why in (
+        (np.ones((1, 1, 1)), "only supported on 1 and 2-D arrays"),
+        (np.arange(3), "only supported on float and complex arrays"),
+        ((1.0, 2.0), "only supported for array types"),
+    ):
+        with pytest.raises(TypingError, match=why):
+            norm(refused)
+
+    @compiled(cached=False)
+    def rows(matrix):
+        return np.linalg.norm(matrix, axis=1)
+
+    with pytest.raises(TypingError, match="axis"):
+        rows.get_compile_result((types.float64[:, ::1],))
+
+
+def test_code_from_disk_is_loaded_without_what_compiles_it(tmp_path):
+    code = (
+        "import sys, numpy as np, kickdrift as kd;"
+        "gravity = lambda x: -x / np.linalg.norm(x) ** 3;"
+        "kd.solve(gravity, (0, 1), [1, 0], [0, 1], method='semi-implicit-euler', step=0.1, progress=False);"
+        "compiling = 'kickdrift.core.passes', 'numba.core.typing.arraydecl', 'numba.np.arrayobj', 'scipy.linalg';"
+        "print([name in sys.modules for name in compiling])"
+    )
+    first, second = (python(code, NUMBA_CACHE_DIR=str(tmp_path)) for _ in range(2))
+    assert first == str([True] * 4)
+    assert second == str([False] * 4)
