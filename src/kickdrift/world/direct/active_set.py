@@ -111,7 +111,7 @@ def solve_island(
     if how == BY_LAWS:
         return solve_once(island, h, ahead, task, first, touched, world)
     if how == AS_ASSUMED:
-        update_contact_states(island, task, True, world)
+        update_contact_states(island, task, True, True, world)
     solve_assumed(island, ahead, touched, world)
     if how == AS_ASSUMED:
         give_joints(island, task, world)
@@ -141,14 +141,16 @@ def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touc
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
     for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else HEAP_TRIALS if heap else TRIALS):
-        settled = review(island, h, task, trial == 0, first, trial > BOUNDED, touched, world) and whole and trial > 0
+        settled = (
+            review(island, h, task, trial == 0, first, trial > BOUNDED, touched, whole, world) and whole and trial > 0
+        )
         if settled:
             found = left == 0 or refine(island, task, touched, world) < REFINED
             left = left if found else left - 1
             found = (not touched or bounds_hold(island, task, world)) and found
             if found:
                 break
-            settled = review(island, h, task, False, False, True, touched, world)
+            settled = review(island, h, task, False, False, True, touched, True, world)
         if not settled:
             factor_island(island, ahead, touched, world)
         predict(island, touched, world)
@@ -230,13 +232,13 @@ def assemble(island: int, ahead: float, world: int) -> None:
 
 @compiled(cached=False)
 def review(
-    island: int, h: float, task: int, begun: bool, first: bool, bounded: bool, touched: bool, world: int
+    island: int, h: float, task: int, begun: bool, first: bool, bounded: bool, touched: bool, whole: bool, world: int
 ) -> bool:
     """Assume the pieces of laws that the current solution implies, and return whether it was found with them."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, settled = integers(world, JOINT), True
     if touched:
-        settled = update_contact_states(island, task, begun and first, world)
+        settled = update_contact_states(island, task, begun and first, whole, world)
     if task >= BOUNCE:
         return settled  # laws of joints are forces, which do nothing in an instant
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):

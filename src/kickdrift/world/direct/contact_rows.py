@@ -134,8 +134,12 @@ def find_bounds(own: Any, rows: Any) -> None:
 
 
 @compiled(cached=False, fast=True)
-def update_point_states(rows: Any, first: bool) -> bool:
-    """Assume that points push or are open as the current solution implies; return whether nothing changes."""
+def update_point_states(rows: Any, first: bool, whole: bool) -> bool:
+    """Assume that points push or are open as the current solution implies; return whether nothing changes.
+
+    With a tolerance if it was accepted `whole`. After a shortened step there is none: a stiff point that is open within it
+    would shorten all further steps to nothing.
+    """
     settled = True
     for k in range(TANGENT):
         if rows[ACTIVE + k] == 0.0:
@@ -143,7 +147,7 @@ def update_point_states(rows: Any, first: bool) -> bool:
         missing, stiffness = rows[WANTED + k] - rows[SPEED + k], rows[STIFFNESS + k]
         pull = rows[ROW_MASS + k] if first else stiffness
         trial = rows[IMPULSE + k] + rows[BASE + k] + pull * (missing - rows[MOVED + k])
-        if not first:
+        if not first and whole:
             trial += -MISSED * stiffness if rows[STATE + k] == OPEN else MISSED * rows[ROW_MASS + k]
         state = HELD if trial > 0.0 else OPEN
         settled = settled and state == rows[STATE + k]

@@ -208,12 +208,12 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def update_contact_states(island: int, task: int, first: bool, world: int) -> bool:
+def update_contact_states(island: int, task: int, first: bool, whole: bool, world: int) -> bool:
     """Assume the pieces of the laws of contacts that the current solution implies; return whether it was found with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
-        settled = update_point_states(numbers, first) and settled
+        settled = update_point_states(numbers, first, whole) and settled
         for bound in range(0 if task in (REST, BOUNCE_FRICTION) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
                 settled = update_bound_states(numbers, bound, first) and settled
