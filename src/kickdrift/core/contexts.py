@@ -66,9 +66,8 @@ def _norm(x: Any, ord: Any = None) -> Any:  # noqa: A002 - NumPy's name
 overload(norm)(norm_impl)  # of all other types
 
 
-_LEAST = (
-    sys.float_info.min / sys.float_info.epsilon
-)  # of a sum of squares: what underflows is less than its rounding error
+# Smallest sum of squares in which what underflows is less than the rounding error
+_LEAST = sys.float_info.min / sys.float_info.epsilon
 
 # Functions of Numba that are replaced. The error of an assignment to a slice, whose text tells the shapes, takes three times as
 # long to compile as all else in a function with a slice. The norm of BLAS takes 40 ns more, and loads SciPy, in 0.15 s.
