@@ -141,4 +141,4 @@ def start_of_array(array: NDArray[Any]) -> int:
 
 def state_block(*members: NDArray[np.float64]) -> NDArray[np.intp]:
     """Addresses and sizes of the arrays of a state, for `arrays`. The caller keeps the arrays alive."""
-    return np.array([word for member in members for word in (start_of_array(member), member.size)], dtype=np.intp)
+    return np.fromiter((word for member in members for word in (start_of_array(member), member.size)), np.intp)

@@ -128,7 +128,7 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
     if not isinstance(python, FunctionType) or function in callers:
         raise CannotTellError
     names, around = names_of(python.__code__), (*callers, function)
-    if overloaded_elsewhere() & {*names.all, *names.globals}:
+    if not overloaded_elsewhere().isdisjoint((*names.all, *names.globals)):
         raise CannotTellError  # the behaviour of overloaded functions is not determined by their names
     numbers: dict[str, Any] = {}
     constants: dict[str, Any] = {}
@@ -205,9 +205,11 @@ def _values(function: FunctionType, names: Names) -> Iterator[tuple[str, Any]]:
 
 
 def _defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
-    code, defaults = function.__code__, function.__defaults__ or ()
-    yield from zip(code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount], defaults, strict=True)
-    yield from (function.__kwdefaults__ or {}).items()
+    if defaults := function.__defaults__:
+        code = function.__code__
+        yield from zip(code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount], defaults, strict=True)
+    if named := function.__kwdefaults__:
+        yield from named.items()
 
 
 def _constant(value: Any, names: Names, around: tuple[Any, ...]) -> Hashable:

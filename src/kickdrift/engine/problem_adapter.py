@@ -2,8 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, cast
@@ -159,7 +159,7 @@ class Adapter:
         second = np.zeros(1) if "i" in names else v
         name, given = f"{role}, {name_of(original)},", [x.copy(), second.copy(), params.copy()]
         try:
-            with np.errstate(all="ignore"), _complex_refused(function):
+            with nullcontext() if hasattr(function, "py_func") else _as_compiled():
                 function(self.t0, *given, out)
                 if other is not None:
                     function(self.t0, *given, other)
@@ -185,11 +185,11 @@ class Adapter:
                 raise ArgumentError(f"{name} modifies {label}; work on a copy.")
 
 
-def _complex_refused(function: Function) -> AbstractContextManager[object]:
-    """Raise where a function for the interpreter writes complex numbers to `out`, whose imaginary parts NumPy drops."""
-    if hasattr(function, "py_func"):
-        return nullcontext()
-    return warnings.catch_warnings(action="error", category=np.exceptions.ComplexWarning)
+@contextmanager
+def _as_compiled() -> Iterator[None]:
+    """Make a function for the interpreter silent about infinities; and raise where it drops an imaginary part into `out`."""
+    with np.errstate(all="ignore"), warnings.catch_warnings(action="error", category=np.exceptions.ComplexWarning):
+        yield
 
 
 def bind(template: Function, **bindings: Function | int) -> Function:

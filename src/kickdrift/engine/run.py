@@ -24,6 +24,7 @@ from kickdrift.engine.zeros import Zero
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and a sentence on its cause
 _NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
+_NOTHING = Stretch(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 
 
@@ -66,7 +67,7 @@ class Run:
 
     def __init__(self, stepper: Stepper, rows: Rows, watch: Watch | None = None) -> None:
         self._stepper, self._state, self.rows = stepper, stepper.state, rows
-        self._watch, self._looked = watch, Stretch(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
+        self._watch, self._looked = watch, _NOTHING
         self._stop: Zero | None = None
         self._checkpoint = Checkpoint(self._state.copy(), 0, Mark())
         self._spare: State | None = None

@@ -14,7 +14,7 @@ from kickdrift.core.heap import keep_freed_memory
 from kickdrift.core.memory import start_of_array, state_block
 from kickdrift.engine import letters, loop
 from kickdrift.engine.controller import Controller
-from kickdrift.engine.flows.layout import FORMED, aligned_copy, lay_out
+from kickdrift.engine.flows.layout import FORMED, aligned_copies, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.program import Program
@@ -53,7 +53,7 @@ class State:
         else:
             scratch = self.scratch.copy() if self.work[FORMED] else np.zeros(0)
         if into is None:
-            into = State(np.empty_like(self.x), np.empty_like(self.v), np.empty_like(self.work), scratch, self.kept)
+            into = State(np.empty(self.x.size), np.empty(self.v.size), np.empty(self.work.size), scratch, self.kept)
         into.scratch = scratch
         into._take(self)
         return into
@@ -234,7 +234,7 @@ def compile_program(
     names = program.flows + program.primers
     functions = letters.functions_of(system, program)
     addresses = letters.addresses_of(system, functions, names) if system.native else {}
-    x, v, params = (aligned_copy(numbers) for numbers in (system.x0, system.v0, system.params))
+    x, v, params = aligned_copies(system.x0, system.v0, system.params)
     sizes = x.size, program.coefficients, system.params
     scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
     estimates = any(FLOWS[name].estimates for name in names)

@@ -167,7 +167,7 @@ def number_views(numbers: Mapping[str, Any], array: str, first: int) -> dict[str
 
 def in_a_row(numbers: Mapping[str, Any]) -> Floats:
     """Return a function's numbers in the order of `number_views`."""
-    values = [np.ravel(value) if shape_of(value) else (value,) for value in numbers.values()]
+    values = [value.reshape(-1) if shape_of(value) else (value,) for value in numbers.values()]
     return np.concatenate(values) if values else _NONE
 
 

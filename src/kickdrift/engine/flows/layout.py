@@ -198,11 +198,16 @@ def aligned(size: int) -> NDArray[np.int64]:
     return room[start : start + size]
 
 
-def aligned_copy(values: Floats) -> Floats:
-    """Return numbers aligned to a cache line: vectors that cross two lines take twice as long."""
-    copy = aligned(values.size).view(np.float64)
-    copy[:] = values.reshape(-1)
-    return copy
+def aligned_copies(*arrays: Floats) -> list[Floats]:
+    """Return copies of arrays in a row, each aligned to a cache line: vectors that cross two lines take twice as long."""
+    lines = [1 + values.size // _LINE for values in arrays]
+    room, start, copies = aligned(_LINE * sum(lines)).view(np.float64), 0, []
+    for values, count in zip(arrays, lines, strict=True):
+        copy = room[start : start + values.size]
+        copy[:] = values.reshape(-1)
+        copies.append(copy)
+        start += _LINE * count
+    return copies
 
 
 def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats) -> Floats:
