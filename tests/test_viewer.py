@@ -242,6 +242,7 @@ def test_energies_beside_the_scene_end_with_the_run(shown):
     total, kinetic, potential = (np.array([p.split(",") for p in curve.split()], dtype=float) for curve in curves)
     for curve in (total, kinetic, potential):
         np.testing.assert_allclose(curve[:, 0], 260 * made.t / made.t[-1], atol=0.06)
+    assert re.search(r"[\d.]+ to [\d.]+ J</div>", path.read_text())
     # From the lowest value to the highest, downwards: the kinetic energy falls from 0.5 to 0.
     np.testing.assert_allclose(kinetic[:, 1], np.linspace(0.0, 90.0, 31), atol=0.06)
     assert np.all(potential[:, 1] == 90.0)

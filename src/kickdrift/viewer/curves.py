@@ -38,7 +38,7 @@ class Curve(NamedTuple):
     colour: str
 
 
-def panel(title: str, t: Floats, curves: list[Curve], seconds: float, unit: str) -> str:
+def panel(title: str, t: Floats, curves: list[Curve], curve_unit: str, seconds: float, time_unit: str) -> str:
     """Return the part of a page that draws curves and says the time, as HTML.
 
     Parameters
@@ -47,10 +47,12 @@ def panel(title: str, t: Floats, curves: list[Curve], seconds: float, unit: str)
     t : (T,) array
         Times kept.
     curves : list of Curve
-        None of which has to be there: then the time alone is said.
+        If there are none, the page shows the time alone.
+    curve_unit : str
+        Empty for ratios.
     seconds : float
         At which the page shows the last of the times, as the first of them at 0.
-    unit : str
+    time_unit : str
         Of the times.
     """
     rows = np.unique(np.linspace(0, t.size - 1, _MOST_POINTS).astype(np.intp))
@@ -63,10 +65,10 @@ def panel(title: str, t: Floats, curves: list[Curve], seconds: float, unit: str)
     for curve, height in zip(curves, down, strict=True):
         points = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, height, strict=True) if np.isfinite(y))
         lines += f'<polyline points="{points}" fill="none" stroke="{curve.colour}" stroke-width="1.5"/>'
-        legend += f' <span style="color:{curve.colour}">{escape(curve.name)}</span>'
-    scale = f"<div>{low:.4g} to {high:.4g}</div>" if curves else ""
+        legend += f' <span style="color:{curve.colour}">&#9644;</span> {escape(curve.name)}'
+    scale = f"<div>{low:.4g} to {high:.4g} {escape(curve_unit)}</div>" if curves else ""
     size = f'width="{_WIDTH}" height="{_HEIGHT if curves else 0}"'
-    about = {"seconds": seconds, "width": _WIDTH, "first": float(t[0]), "last": float(t[-1]), "unit": unit}
+    about = {"seconds": seconds, "width": _WIDTH, "first": float(t[0]), "last": float(t[-1]), "unit": time_unit}
     return (
         '<div id="kickdrift-panel"'
         ' style="position:fixed;left:12px;bottom:52px;padding:8px 10px;background:rgba(255,255,255,.85);color:#222;'

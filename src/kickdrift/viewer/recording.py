@@ -66,7 +66,7 @@ def _play(stage: Stage, recording: Recording) -> str:
         drawn.show(_state(recording, row))
     stage.wait(1.0 / _RATE)  # the last state is seen, too
     t = recording.t
-    return panel(recording.about.system, t, _energies(recording.derived), float(t[-1] - t[0]), "s")
+    return panel(recording.about.system, t, _energies(recording.derived), "J", float(t[-1] - t[0]), "s")
 
 
 def _state(recording: Recording, row: int) -> State:
@@ -79,7 +79,7 @@ def _energies(derived: Mapping[str, Floats]) -> list[Curve]:
     return [
         Curve("kinetic + potential energy", kinetic + potential, SUM),
         Curve("kinetic", kinetic, COLOURS[1]),
-        Curve("potential, J", potential, COLOURS[0]),
+        Curve("potential", potential, COLOURS[0]),
     ]
 
 

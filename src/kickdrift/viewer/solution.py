@@ -107,7 +107,7 @@ def _play(stage: Stage, solution: Solution) -> str:
     stage.wait(1.0 / _RATE)
     about = solution.about
     curves = [Curve("energy error", energy_error(solution), COLOURS[0])] if "energy" in solution.invariants else []
-    return panel(title, solution.t, curves, sum(waits), about.units.get("t", ""))
+    return panel(title, solution.t, curves, "", sum(waits), about.units.get("t", ""))
 
 
 def _orbits(solution: Solution) -> _Orbits:
