@@ -310,8 +310,7 @@ def test_rotors_resist_as_in_mujoco(tmp_path, joints, armatures):
     there, errors = falls(path)
     without, _ = falls(limb(tmp_path, joints))
     assert np.abs(there - without).max() > 0.01
-    assert errors[0] < 5e-3
-    assert errors[1] < 0.3 * errors[0]
+    assert errors.max() < 5e-6
 
 
 def test_the_rotor_of_a_second_slide_is_left_out(tmp_path):

@@ -135,8 +135,8 @@ def test_energy_that_nets_lose_on_the_ground_is_not_judged():
 
 
 @pytest.mark.parametrize("change", [0.0, 1e-3])
-def test_a_chain_that_slowly_gains_energy_is_found_also_where_steps_vary_in_length(change):
-    world, rng, before = kd.World(substeps=1), np.random.default_rng(3), None
+def test_a_chain_that_slowly_loses_energy_is_found_also_where_steps_vary_in_length(change):
+    world, rng, before = kd.World(substeps=1), np.random.default_rng(22), None
     for k in range(4):
         rod = world.add_box((0.5, 0.05, 0.05), position=(0.25 + 0.5 * k, 0, 0), density=10 ** rng.uniform(2, 4))
         world.add_hinge(before, rod, anchor=(0.5 * k, 0, 0), axis=(0, 1, 0))
@@ -146,7 +146,7 @@ def test_a_chain_that_slowly_gains_energy_is_found_also_where_steps_vary_in_leng
         for n in range(165):
             world.step(STEP * (1 + change * (-1) ** n))
     assert len(said) == 1
-    assert re.search(r"gained 1 % of the energy of their bodies from t=0\.016\d* s to 2\.7\d* s", str(said[0].message))
+    assert re.search(r"lost 1 % of the energy of their bodies from t=0\.016\d* s to 2\.[34]\d* s", str(said[0].message))
 
 
 def test_a_tower_too_high_for_the_sweeps_is_said():

@@ -38,7 +38,7 @@ from kickdrift.world.layout import (
     DAMPING,
     DISPLACEMENT,
     DYNAMIC,
-    FALLS,
+    HALF_KICKED,
     IMPACT_TIME,
     INERTIA_KIND,
     INVERSE_INERTIA,
@@ -149,7 +149,7 @@ def kick(t: float, h: float, world: int) -> None:
             _set_mean_turn(body, h, pose, motion, inertia, kicked)
         for k in range(3):
             kicked[body, KICKED_ANGULAR_VELOCITY + k] = motion[body, ANGULAR_VELOCITY + k]
-        kicked[body, IMPACT_TIME], kicked[body, FALLS] = 0.0, 0.0
+        kicked[body, IMPACT_TIME], kicked[body, HALF_KICKED] = 0.0, 0.0
 
 
 @compiled
@@ -211,12 +211,12 @@ def drift(t: float, h: float, world: int) -> None:
         kind = body_kind[body, BODY_KIND]
         if kind < KINEMATIC or body_kind[body, AWAKE] == 0:
             continue
-        free = midpoint != 0.0
+        free = midpoint != 0.0 and kicked[body, HALF_KICKED] == 0.0
         # Contacts without impulses change a velocity by rounding errors.
         added = abs(kicked[body, ADDED]) + abs(kicked[body, ADDED + 1]) + abs(kicked[body, ADDED + 2])
         for k in range(3):
             alone = abs(motion[body, VELOCITY + k] - kicked[body, KICKED_VELOCITY + k]) <= 1e-9 * added
-            free = free and (alone or kicked[body, FALLS] != 0.0)
+            free = free and alone
         # In free flight the position moves with the mean of the velocities before and after the kick: exact for gravity.
         back = 0.5 if free else 0.0
         for k in range(3):

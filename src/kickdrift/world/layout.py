@@ -85,7 +85,7 @@ SPIN = column(KICKED, 3, "kg m^2/s")  # L
 IMPACT_TIME = column(KICKED, 1, "s")  # of the last impact in the substep
 LEFT_TURN = column(KICKED, 3, "rad/s")  # angular velocity after the last drift
 LEFT_POSE = column(KICKED, 4)  # orientation after the last drift
-FALLS = column(KICKED)  # 1.0 where the body falls freely with the bodies that it is joined to
+HALF_KICKED = column(KICKED)  # 1.0 where half of the kick follows the drift, see `kickdrift.world.direct.half_kicks`
 NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
 
 # Columns of INERTIA

@@ -4,9 +4,9 @@ The energy of an island on which nothing but gravity acts is conserved. A step t
 compared with that at the beginning, for as long as nothing else acts on it. The comparison begins anew after contacts, damping,
 forces, or active motors, limits, springs or friction, and after users have placed or pushed a body between two steps.
 
-The kick comes before the drift: a substep conserves the energy half a kick later, E + h/2 sum m g . v; in free flight
-it is E (`kickdrift.world.joints.free_fall`). Only energy that is missing from both is a loss. Where substeps change in length,
-h/2 sum m g . v jumps, and the loss leaves these jumps out.
+Where half of a kick comes before the drift, a substep conserves the energy E (`kickdrift.world.direct.half_kicks`); where all
+of it does, the energy half a kick later, E + h/2 sum m g . v. Only energy that is missing from both is a loss. Where substeps
+change in length, h/2 sum m g . v jumps, and the loss leaves these jumps out.
 """
 
 from kickdrift.core.compilation import compiled
@@ -29,7 +29,7 @@ from kickdrift.world.joints.layout import (
     MOST_KINETIC,
     TOTAL,
 )
-from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
+from kickdrift.world.layout import BODY_KIND, DAMPING, HALF_KICKED, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.settings import GRAVITY, SUBSTEPS
 from kickdrift.world.tables import (
     BODY,
@@ -40,6 +40,7 @@ from kickdrift.world.tables import (
     ISLAND_JOINT,
     JOINT,
     JOINT_NUMBERS,
+    KICKED,
     LINK,
     MOTION,
     POSE,
@@ -148,11 +149,12 @@ def _is_conservative(island: int, world: int) -> bool:
 def _energies(island: int, half: float, velocities: Table, poses: Table, world: int) -> tuple[float, float, float]:
     """Return the kinetic energy of an island, its total energy, and the energy by which it lags half a kick, J."""
     own, gravity = integers(world, ISLAND)[island], vector_at(floats(world, SETTINGS), 0, GRAVITY)
-    speeds, places, kinetic, potential, lag = floats(world, velocities), floats(world, poses), 0.0, 0.0, 0.0
+    speeds, places, kicked = floats(world, velocities), floats(world, poses), floats(world, KICKED)
+    kinetic, potential, lag = 0.0, 0.0, 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         body = body_of(node, world)
         mass = floats(world, INERTIA)[body, MASS]
         kinetic += energy_of(body, velocities, poses, world)
         potential -= mass * dot(gravity, vector_at(places, body, LINEAR_PART))
-        lag += half * mass * dot(gravity, vector_at(speeds, body, LINEAR_PART))
+        lag += (1.0 - kicked[body, HALF_KICKED]) * half * mass * dot(gravity, vector_at(speeds, body, LINEAR_PART))
     return kinetic, kinetic + potential, lag

@@ -13,9 +13,6 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus, plus, product, times, turned
 from kickdrift.world.columns import quaternion_at, vector_at
-from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
-from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
-from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR
 from kickdrift.world.direct.energy_drift import drift_of_energy, forget_drift, judged_since
 from kickdrift.world.direct.layout import (
     AFTER_JOINT,
@@ -24,7 +21,6 @@ from kickdrift.world.direct.layout import (
     FIRST_JOINT,
     FIRST_NODE,
     GIVEN_UP,
-    NODE_ISLAND,
     TOUCHES,
 )
 from kickdrift.world.direct.node_selection import body_of
@@ -45,14 +41,12 @@ from kickdrift.world.joints.layout import (
     LINEAR_PART,
     LINK_JOINT,
     LOWER_LIMIT,
-    NODE_ROW,
     PIVOT,
     POINT,
-    ROOT,
     TOTAL,
     UPPER_LIMIT,
 )
-from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, LINK_PLACE, MASS, TURN_DAMPING
+from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.settings import (
     FAST_BODY,
     FAST_LOSS,
@@ -66,7 +60,6 @@ from kickdrift.world.settings import (
 from kickdrift.world.step.status import TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import (
     BODY,
-    CONTACT,
     DELTA_POSE,
     FORCE,
     INERTIA,
@@ -77,7 +70,6 @@ from kickdrift.world.tables import (
     JOINT_NUMBERS,
     LINK,
     MOTION,
-    NODE,
     POSE,
     SETTINGS,
     STARTED_MOTION,
@@ -109,7 +101,6 @@ def note_losses(t: float, h: float, world: int) -> None:
     substep = h / settings[0, SUBSTEPS]
     if status[0, WARNING] & TURNS_TOO_FAST:
         return
-    _find_touching(world)
     for island in range(rows(world, ISLAND)):
         if islands[island, FIRST_JOINT] == islands[island, AFTER_JOINT]:
             continue
@@ -130,19 +121,6 @@ def note_losses(t: float, h: float, world: int) -> None:
             settings[0, FAST_SUBSTEP] = substep / refinement(island, rate * substep, substep, world)
             status[0, WARNING] |= TURNS_TOO_FAST
             return
-
-
-@compiled(cached=False)
-def _find_touching(world: int) -> None:
-    """Note which islands have contacts, whoever solves these."""
-    contacts, bodies, links = integers(world, CONTACT), integers(world, BODY), integers(world, LINK)
-    for row in range(rows(world, CONTACT)):
-        if contacts[row, POINTS] == 0 or contacts[row, CONTACT_STATE] & SENSOR:
-            continue
-        for column in (CONTACT_A, CONTACT_B):
-            link = abs(bodies[contacts[row, column], LINK_PLACE]) - 1
-            if link >= 0 and links[link, ROOT] >= 0:
-                integers(world, ISLAND)[integers(world, NODE)[links[link, NODE_ROW], NODE_ISLAND], TOUCHES] = 1
 
 
 @compiled(cached=False)

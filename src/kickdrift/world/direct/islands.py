@@ -3,6 +3,9 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
+from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
+from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -17,6 +20,7 @@ from kickdrift.world.direct.layout import (
     LOST,
     NODE_ISLAND,
     RATIO,
+    TOUCHES,
 )
 from kickdrift.world.direct.linked_contacts import linked_contacts
 from kickdrift.world.direct.node_selection import body_of, has_room, nodes_of_contact
@@ -41,6 +45,7 @@ from kickdrift.world.tables import (
     ARTICULATION,
     BLOCK,
     BODY,
+    CONTACT,
     GRAPH,
     INERTIA,
     ISLAND,
@@ -94,6 +99,7 @@ def find_islands(t: float, h: float, world: int) -> None:
         if not order_nodes(world, island):
             return
     set_rows(world, BLOCK, rows(world, NEIGHBOUR))
+    _find_touching(world)
 
 
 @compiled(inline=True)
@@ -237,3 +243,22 @@ def _sort_nodes(world: int) -> None:
         islands[island, HAS_JOINTS] = int(islands[island, AFTER_JOINT] > islands[island, FIRST_JOINT])
     for place in range(islands[rows(world, ISLAND) - 1, AFTER_NODE] if rows(world, ISLAND) > 0 else 0):
         links[nodes[place, LINK_ROW], NODE_ROW] = place
+
+
+@compiled(cached=False)
+def _find_touching(world: int) -> None:
+    """Note which islands have contacts, whoever solves these: among their own bodies only, or with others."""
+    contacts, bodies, links = integers(world, CONTACT), integers(world, BODY), integers(world, LINK)
+    islands, nodes = integers(world, ISLAND), integers(world, NODE)
+    for row in range(rows(world, CONTACT)):
+        if contacts[row, POINTS] == 0 or contacts[row, CONTACT_STATE] & SENSOR:
+            continue
+        a, b = (
+            abs(bodies[contacts[row, CONTACT_A], LINK_PLACE]) - 1,
+            abs(bodies[contacts[row, CONTACT_B], LINK_PLACE]) - 1,
+        )
+        one = nodes[links[a, NODE_ROW], NODE_ISLAND] if a >= 0 and links[a, ROOT] >= 0 else NONE
+        two = nodes[links[b, NODE_ROW], NODE_ISLAND] if b >= 0 and links[b, ROOT] >= 0 else NONE
+        for island in (one, two):
+            if island >= 0:
+                islands[island, TOUCHES] = max(islands[island, TOUCHES], 1 if one == two else 2)

@@ -1,10 +1,10 @@
 """The direct solver: RATTLE for an island. Newton's method before the drift, a projection after it.
 
-A substep is symplectic, as are its kick and its drift: impulses along the joint axes at its start, such that the joints are
-satisfied at its end, and then a projection of the velocities onto those that the joints allow there. Hairer, Lubich, Wanner,
-Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4. Contacts are rows of the same equations. The pieces of the
-laws of axes and contacts are assumed, and the equations are solved again until the solution lies on the assumed ones: an
-active-set, or semi-smooth Newton, method.
+A substep is symplectic, as are its kicks (`half_kicks`) and its drift: impulses along the joint axes at its start, such that
+the joints are satisfied at its end, and then a projection of the velocities onto those that the joints allow there. Hairer,
+Lubich, Wanner, Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4. Contacts are rows of the same equations.
+The pieces of the laws of axes and contacts are assumed, and the equations are solved again until the solution lies on the
+assumed ones: an active-set, or semi-smooth Newton, method.
 
 If the substep is too long for that, as for a chain with a heavy end that cracks like a whip, velocities are projected before
 the drift too, and the poses of bodies are corrected.
@@ -32,7 +32,6 @@ from kickdrift.world.direct.layout import (
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.substep_estimate import LONG_TURN
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
-from kickdrift.world.joints.free_fall import let_fall
 from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
@@ -73,7 +72,6 @@ def solve_islands(t: float, h: float, world: int) -> None:
         if is_cut(island, world):
             _solve_joints(island, h, world)
         end_solution(island, h, world)
-    let_fall(world)
 
 
 @compiled

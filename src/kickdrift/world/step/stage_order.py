@@ -27,6 +27,7 @@ from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
 from kickdrift.world.direct.energy_losses import note_losses
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
+from kickdrift.world.direct.half_kicks import give_half_kicks, withhold_half_kicks
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.node_selection import find_nodes
 from kickdrift.world.direct.relaxation import relax_islands
@@ -95,12 +96,13 @@ def word(uses: Uses) -> Word:
         warm_start,
         *when(uses.joints, warm_start_joints),
         solve,
+        *when(uses.joints, withhold_half_kicks),
         *when(uses.sequential, solve_in_turn),
         *when(direct, solve_islands),
         *when(uses.planar, flatten),
         drift,
         relax,
-        *when(uses.joints, follow_joints),
+        *when(uses.joints, give_half_kicks, follow_joints),
         *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
         *when(uses.bounces or uses.is_fast, follow_paths),
