@@ -290,3 +290,47 @@ def test_forces_know_the_time_and_add_up():
     world.advance(STEP, 60)
     assert world.velocity[1] == pytest.approx([1.0, 3.0, 0.0], abs=2.0 * SUBSTEP)
     assert world.velocity[1, 1] == pytest.approx(3.0, rel=1e-12)
+
+
+def springy(rate, substeps, joined, midpoint=True):
+    """A world in which a function pulls a ball along x, free or on a slider, and the ball."""
+    world, stiffness = World(gravity=(0, 0, 0), substeps=substeps, midpoint=midpoint), rate**2
+
+    def pull(t, position, mass, force):
+        for body in range(len(force)):
+            force[body, 0] -= mass[body] * (stiffness * position[body, 0] + math.sin(t))
+
+    ball = world.add_sphere(0.1, mass=2.0, position=(1.0, 0.0, 0.0))
+    if joined:
+        world.add_slider(world.ground, ball, anchor=(1.0, 0.0, 0.0), axis=(1.0, 0.0, 0.0))
+    world.add_force(pull)
+    return world, ball
+
+
+@pytest.mark.parametrize("joined", [False, True])
+@pytest.mark.parametrize("rate", [3.0, 10.0, 30.0])
+def test_springs_that_are_functions_keep_their_amplitude(rate, joined):
+    world, ball = springy(rate, 4, joined)
+    energies = []
+    for _ in range(600):
+        world.step(STEP)
+        energies.append(0.5 * ball.velocity[0] ** 2 + 0.5 * rate**2 * ball.position[0] ** 2)
+    driven = 2.0 / abs(rate**2 - 1.0) * rate  # what the driving force adds to the speed, at most
+    assert np.sqrt(2.0 * np.array(energies)) == pytest.approx(rate, abs=driven + 0.01 * rate)
+
+
+@pytest.mark.parametrize("joined", [False, True])
+def test_forces_that_are_functions_act_to_second_order(joined):
+    rate, time = 5.0, 1.5
+    driven = 1.0 / (rate**2 - 1.0)  # x'' = -rate^2 x - sin t: x = a cos(rate t) + b sin(rate t) - driven sin t
+    exact = math.cos(rate * time) + driven / rate * math.sin(rate * time) - driven * math.sin(time)
+    speed = -rate * math.sin(rate * time) + driven * (math.cos(rate * time) - math.cos(time))
+    errors = {True: [], False: []}
+    for midpoint in errors:
+        for substeps in (2, 4, 8):
+            world, ball = springy(rate, substeps, joined, midpoint)
+            world.advance(STEP, 90)
+            errors[midpoint].append((ball.position[0] - exact, ball.velocity[0] - speed))
+    orders = {midpoint: np.log2(np.abs(np.array(e)[:-1] / np.array(e)[1:])) for midpoint, e in errors.items()}
+    assert orders[True] == pytest.approx(np.full((2, 2), 2.0), abs=0.1)
+    assert orders[False][:, 0] == pytest.approx(1.0, abs=0.1)

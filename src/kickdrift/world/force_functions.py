@@ -27,7 +27,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.memory import read_only, shaped
 from kickdrift.engine.function_key import Taken, taken_apart
 from kickdrift.engine.user_functions import argument_names, in_a_row, number_views
-from kickdrift.world.layout import MASS
+from kickdrift.world.layout import FORCE_BEFORE, MASS, SUBSTEP_FORCE
 from kickdrift.world.step.loop import STAGE
 from kickdrift.world.tables import (
     FORCE,
@@ -122,6 +122,17 @@ def begin_forces(t: float, h: float, world: int) -> None:
             force[body, k] = load[body, k]
     if rows(world, FORCE_NUMBERS) > 0:
         floats(world, FORCE_NUMBERS)[0, 0] = 1.0
+
+
+@compiled
+def begin_later_forces(t: float, h: float, world: int) -> None:
+    """Keep the forces of the start of a substep, and begin those of its end."""
+    force, member = floats(world, FORCE), integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
+        for k in range(3):
+            force[body, FORCE_BEFORE + k] = force[body, SUBSTEP_FORCE + k]
+    begin_forces(t, h, world)
 
 
 def put_numbers(tables: Tables, forces: Sequence[Force]) -> None:

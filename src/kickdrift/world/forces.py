@@ -73,9 +73,11 @@ class AppliesForces:
     def add_force(self, force: Function) -> None:
         """Apply a force function of your own in every substep, compiled into the step.
 
-        The search for contacts calls it once more before the substeps, and a step that is repeated, or done in parts, calls it
-        again, as often in each attempt and part: its result must depend on its arguments alone. Sleeping bodies
-        (``World(sleeping=True)``) are not woken by it, even when it changes; `apply_force` wakes them.
+        It is called at the start and at the end of each substep, so that free bodies, and jointed ones without motors, drives
+        and friction, move as velocity Verlet has it. The search for contacts calls it once more before the substeps, and a step
+        that is repeated, or done in parts, calls it again, as often in each attempt and part: its result must depend on its
+        arguments alone. Sleeping bodies (``World(sleeping=True)``) are not woken by it, even when it changes; `apply_force`
+        wakes them.
 
         Parameters
         ----------

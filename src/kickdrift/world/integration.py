@@ -38,12 +38,15 @@ from kickdrift.world.layout import (
     DAMPING,
     DISPLACEMENT,
     DYNAMIC,
-    HALF_KICKED,
+    FORCE_BEFORE,
+    FREE_KICK,
+    HALF_KICK,
     IMPACT_TIME,
     INERTIA_KIND,
     INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
+    KICK,
     KICKED_ANGULAR_VELOCITY,
     KICKED_VELOCITY,
     KINEMATIC,
@@ -60,6 +63,7 @@ from kickdrift.world.layout import (
     TUMBLES,
     TURN_DAMPING,
     VELOCITY,
+    WHOLE_KICK,
 )
 from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
 from kickdrift.world.step.status import report_body
@@ -117,7 +121,10 @@ def flatten(t: float, h: float, world: int) -> None:
 
 @compiled
 def kick(t: float, h: float, world: int) -> None:
-    """Add h times the accelerations to the velocities, and replace angular velocities by those of the drift, w*."""
+    """Add h times the accelerations to the velocities, and replace angular velocities by those of the drift, w*.
+
+    Bodies that are marked with HALF_KICK get half of that.
+    """
     motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, settings, member = integers(world, BODY), floats(world, SETTINGS), integers(world, MEMBER)
@@ -132,10 +139,11 @@ def kick(t: float, h: float, world: int) -> None:
                 kicked[body, LEFT_POSE + k] = 0.0
             continue
         keep = 1.0 / (1.0 + h * inertia[body, DAMPING])
+        time = 0.5 * h if kicked[body, KICK] == HALF_KICK else h
         for k in range(3):
             old = motion[body, VELOCITY + k]
             pushed = inverse_mass[body, INVERSE_LINEAR_MASS] * force[body, SUBSTEP_FORCE + k]
-            motion[body, VELOCITY + k] = keep * (old + h * (settings[0, GRAVITY + k] + pushed))
+            motion[body, VELOCITY + k] = keep * (old + time * (settings[0, GRAVITY + k] + pushed))
             kicked[body, KICKED_VELOCITY + k] = motion[body, VELOCITY + k]
             kicked[body, ADDED + k] = motion[body, VELOCITY + k] - old
         if inertia[body, INERTIA_KIND] == TUMBLES:
@@ -144,12 +152,12 @@ def kick(t: float, h: float, world: int) -> None:
         turn = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), torque)
         keep = 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
         for k in range(3):
-            motion[body, ANGULAR_VELOCITY + k] = keep * (motion[body, ANGULAR_VELOCITY + k] + h * turn[k])
+            motion[body, ANGULAR_VELOCITY + k] = keep * (motion[body, ANGULAR_VELOCITY + k] + time * turn[k])
         if inertia[body, INERTIA_KIND] == TUMBLES:
             _set_mean_turn(body, h, pose, motion, inertia, kicked)
         for k in range(3):
             kicked[body, KICKED_ANGULAR_VELOCITY + k] = motion[body, ANGULAR_VELOCITY + k]
-        kicked[body, IMPACT_TIME], kicked[body, HALF_KICKED] = 0.0, 0.0
+        kicked[body, IMPACT_TIME] = 0.0
 
 
 @compiled
@@ -211,7 +219,7 @@ def drift(t: float, h: float, world: int) -> None:
         kind = body_kind[body, BODY_KIND]
         if kind < KINEMATIC or body_kind[body, AWAKE] == 0:
             continue
-        free = midpoint != 0.0 and kicked[body, HALF_KICKED] == 0.0
+        free = midpoint != 0.0 and kicked[body, KICK] != HALF_KICK
         # Contacts without impulses change a velocity by rounding errors.
         added = abs(kicked[body, ADDED]) + abs(kicked[body, ADDED + 1]) + abs(kicked[body, ADDED + 2])
         for k in range(3):
@@ -219,6 +227,8 @@ def drift(t: float, h: float, world: int) -> None:
             free = free and alone
         # In free flight the position moves with the mean of the velocities before and after the kick: exact for gravity.
         back = 0.5 if free else 0.0
+        if kicked[body, KICK] != HALF_KICK:
+            kicked[body, KICK] = FREE_KICK if free else WHOLE_KICK
         for k in range(3):
             way = h * (motion[body, VELOCITY + k] - back * kicked[body, ADDED + k])
             pose[body, POSITION + k] += way
@@ -259,3 +269,20 @@ def drift(t: float, h: float, world: int) -> None:
                 kicked[body, LEFT_POSE + k] = q[k]
             for k in range(6):
                 inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = turned_inverse[k]
+
+
+@compiled
+def complete_free_kicks(t: float, h: float, world: int) -> None:
+    """Add half of the change of forces that are functions to the velocities of bodies that have drifted freely.
+
+    They have moved with v + h a / 2; with v + h (a + a') / 2 at the end the substep is velocity Verlet's, while v + h a is not
+    symplectic where forces depend on positions: a spring of 30 rad/s would gain half of its amplitude in a fifth of a second.
+    """
+    motion, kicked, force = floats(world, MOTION), floats(world, KICKED), floats(world, FORCE)
+    inertia, inverse_mass, member = floats(world, INERTIA), floats(world, INVERSE_MASS), integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
+        if kicked[body, KICK] == FREE_KICK:
+            late = 0.5 * h * inverse_mass[body, INVERSE_LINEAR_MASS] / (1.0 + h * inertia[body, DAMPING])
+            for k in range(3):
+                motion[body, VELOCITY + k] += late * (force[body, SUBSTEP_FORCE + k] - force[body, FORCE_BEFORE + k])

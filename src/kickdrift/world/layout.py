@@ -39,6 +39,7 @@ LOAD_FORCE = column(LOAD, 3, "N")
 LOAD_TORQUE = column(LOAD, 3, "N m")
 SUBSTEP_FORCE = column(FORCE, 3, "N")
 SUBSTEP_TORQUE = column(FORCE, 3, "N m")
+FORCE_BEFORE = column(FORCE, 3, "N")  # the first one, once that of the end of the substep is known
 
 # SHAPE
 SHAPE_KIND = column(SHAPE)  # `GONE` if it was removed
@@ -85,8 +86,10 @@ SPIN = column(KICKED, 3, "kg m^2/s")  # L
 IMPACT_TIME = column(KICKED, 1, "s")  # of the last impact in the substep
 LEFT_TURN = column(KICKED, 3, "rad/s")  # angular velocity after the last drift
 LEFT_POSE = column(KICKED, 4)  # orientation after the last drift
-HALF_KICKED = column(KICKED)  # 1.0 where half of the kick follows the drift, see `kickdrift.world.direct.half_kicks`
+KICK = column(KICKED)  # WHOLE_KICK, before the drift; HALF_KICK before and half after it; or FREE_KICK, in free flight
 NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
+
+WHOLE_KICK, HALF_KICK, FREE_KICK = 0.0, 1.0, 2.0
 
 # Columns of INERTIA
 MASS = column(INERTIA, 1, "kg")

@@ -36,7 +36,7 @@ INVERSE_MASS = Table(3, 8)
 INERTIA = Table(4, 16)
 LOAD = Table(5, 8)  # forces that users apply during the next step
 RESTED = Table(36, 12)  # see `kickdrift.world.sleeping`
-FORCE = Table(35, 8)  # in this substep
+FORCE = Table(35, 12)  # in this substep
 KICKED = Table(6, 24)  # data that `kickdrift.world.integration` carries from kick to drift
 NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver, for restoring it
 BODY = Table(7, 12, whole=True)

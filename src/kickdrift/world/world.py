@@ -83,7 +83,7 @@ class World(
         faster rotation.
     midpoint : bool
         Whether bodies in free flight move with the mean of their velocities before and after the kick, so that gravity
-        conserves energy, and bodies with joints, without contacts, torques, motors, drives and joint friction, with half of
+        conserves energy, and bodies with joints, without contacts, damping, motors, drives and joint friction, with half of
         the kick before and half after the drift, as in the Stoermer-Verlet method; otherwise, as in the semi-implicit Euler
         method, with the velocity after it.
     margin, slop : float

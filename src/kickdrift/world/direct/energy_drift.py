@@ -29,7 +29,7 @@ from kickdrift.world.joints.layout import (
     MOST_KINETIC,
     TOTAL,
 )
-from kickdrift.world.layout import BODY_KIND, DAMPING, HALF_KICKED, KINEMATIC, MASS, TURN_DAMPING
+from kickdrift.world.layout import BODY_KIND, DAMPING, HALF_KICK, KICK, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.settings import GRAVITY, SUBSTEPS
 from kickdrift.world.tables import (
     BODY,
@@ -156,5 +156,6 @@ def _energies(island: int, half: float, velocities: Table, poses: Table, world: 
         mass = floats(world, INERTIA)[body, MASS]
         kinetic += energy_of(body, velocities, poses, world)
         potential -= mass * dot(gravity, vector_at(places, body, LINEAR_PART))
-        lag += (1.0 - kicked[body, HALF_KICKED]) * half * mass * dot(gravity, vector_at(speeds, body, LINEAR_PART))
+        if kicked[body, KICK] != HALF_KICK:
+            lag += half * mass * dot(gravity, vector_at(speeds, body, LINEAR_PART))
     return kinetic, kinetic + potential, lag

@@ -1,4 +1,4 @@
-"""Half of a kick before the drift and half after it, for islands that nothing but gravity and their joints move.
+"""Half of a kick before the drift and half after it, for islands that nothing but forces and their joints move.
 
 The substep is then RATTLE as Stoermer and Verlet have it: half a kick, impulses such that joints are satisfied after the drift,
 the drift, the other half, and a projection onto the velocities that joints allow. With the whole kick before the drift it is
@@ -7,12 +7,13 @@ rods of 0.02 to 0.75 m, 47 are then off by more than 1 % of their largest kineti
 1.3 %, and 13 so, the median by 0.29 %; of sixty four-bar linkages, 52, by 2.0 %, and 17, by 0.29 %. Hairer, Lubich, Wanner,
 Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4.
 
-Torques, motors, drives and friction act before the drift: held by one against half of its weight alone, a body would drift.
-Where all bodies are kicked alike and nothing holds them, that makes no difference.
+The impulses of contacts, motors, drives and friction act before the drift: against half of its weight alone a body would not
+be at rest there. Where all bodies are kicked alike and nothing holds them, that makes no difference.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.columns import vector_at
+from kickdrift.core.vectors import applied, times
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW, TOUCHES
 from kickdrift.world.direct.node_selection import body_of
 from kickdrift.world.joints.layout import (
@@ -25,10 +26,26 @@ from kickdrift.world.joints.layout import (
     NONE,
     PARENT,
 )
-from kickdrift.world.layout import ADDED, HALF_KICKED, SUBSTEP_TORQUE
-from kickdrift.world.settings import MIDPOINT
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    DAMPING,
+    HALF_KICK,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    KICK,
+    KICKED_ANGULAR_VELOCITY,
+    KICKED_VELOCITY,
+    SUBSTEP_FORCE,
+    SUBSTEP_TORQUE,
+    TURN_DAMPING,
+    VELOCITY,
+    WHOLE_KICK,
+)
+from kickdrift.world.settings import GRAVITY, MIDPOINT
 from kickdrift.world.tables import (
     FORCE,
+    INERTIA,
+    INVERSE_MASS,
     ISLAND,
     ISLAND_JOINT,
     JOINT,
@@ -43,53 +60,53 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_SAME = 1e-9  # kicks that differ by no more than this part are equal
+_SAME = 1e-9  # accelerations that differ by no more than this part are equal
 
 
 @compiled
-def withhold_half_kicks(t: float, h: float, world: int) -> None:
-    """Take half of the kick back from islands that drift with the other half, and mark their bodies."""
+def mark_half_kicks(t: float, h: float, world: int) -> None:
+    """Mark the bodies of islands that get half of the kick before the drift."""
     if floats(world, SETTINGS)[0, MIDPOINT] == 0.0:
         return
     islands, kicked = integers(world, ISLAND), floats(world, KICKED)
     for island in range(rows(world, ISLAND)):
         own = islands[island]
-        if own[FIRST_JOINT] == own[AFTER_JOINT] or not (
-            (own[TOUCHES] == 0 and _has_no_forces(island, world)) or (own[TOUCHES] < 2 and _falls(island, world))
-        ):
-            continue
+        halved = own[FIRST_JOINT] < own[AFTER_JOINT] and (
+            (own[TOUCHES] == 0 and _is_passive(island, world)) or (own[TOUCHES] < 2 and _falls(island, world))
+        )
         for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-            kicked[body_of(node, world), HALF_KICKED] = 1.0
-            _add_half(body_of(node, world), -0.5, world)
+            kicked[body_of(node, world), KICK] = HALF_KICK if halved else WHOLE_KICK
 
 
 @compiled
-def give_half_kicks(t: float, h: float, world: int) -> None:
-    """Give marked bodies the other half of the kick, after the drift."""
-    islands, kicked = integers(world, ISLAND), floats(world, KICKED)
+def complete_half_kicks(t: float, h: float, world: int) -> None:
+    """Add the other half of the kick to the velocities of marked bodies, and to those after the kick, after the drift."""
+    islands, kicked, force = integers(world, ISLAND), floats(world, KICKED), floats(world, FORCE)
+    motion, inverse_mass, settings = floats(world, MOTION), floats(world, INVERSE_MASS), floats(world, SETTINGS)
     for island in range(rows(world, ISLAND)):
         for node in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
-            if kicked[body_of(node, world), HALF_KICKED] != 0.0:
-                _add_half(body_of(node, world), 0.5, world)
-
-
-@compiled(inline=True, cached=False)
-def _add_half(body: int, part: float, world: int) -> None:
-    """Add a part of the kick to the velocity of a body, and to that after the kick."""
-    motion, kicked = floats(world, MOTION), floats(world, KICKED)
-    for k in range(3):
-        motion[body, k] += part * kicked[body, ADDED + k]
-        kicked[body, k] += part * kicked[body, ADDED + k]
+            body = body_of(node, world)
+            if kicked[body, KICK] != HALF_KICK:
+                continue
+            inverse = symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD)
+            turn = applied(inverse, times(0.5 * h, vector_at(force, body, SUBSTEP_TORQUE)))
+            for k in range(3):
+                pushed = inverse_mass[body, INVERSE_LINEAR_MASS] * force[body, SUBSTEP_FORCE + k]
+                more = 0.5 * h * (settings[0, GRAVITY + k] + pushed)
+                motion[body, VELOCITY + k] += more
+                kicked[body, KICKED_VELOCITY + k] += more
+                motion[body, ANGULAR_VELOCITY + k] += turn[k]
+                kicked[body, KICKED_ANGULAR_VELOCITY + k] += turn[k]
 
 
 @compiled(cached=False)
-def _has_no_forces(island: int, world: int) -> bool:
-    """Whether no torque acts on an island, and no joint has a motor, a drive or friction; limits only stop their axis."""
+def _is_passive(island: int, world: int) -> bool:
+    """Whether no body of an island is damped, and no joint has a motor, a drive or friction; limits only stop their axis."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    joints, laws, force = integers(world, JOINT), floats(world, JOINT_AXES), floats(world, FORCE)
+    joints, laws, inertia = integers(world, JOINT), floats(world, JOINT_AXES), floats(world, INERTIA)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        x, y, z = vector_at(force, body_of(node, world), SUBSTEP_TORQUE)
-        if abs(x) + abs(y) + abs(z) != 0.0:
+        body = body_of(node, world)
+        if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
             return False
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
@@ -104,15 +121,19 @@ def _has_no_forces(island: int, world: int) -> bool:
 
 @compiled(cached=False)
 def _falls(island: int, world: int) -> bool:
-    """Whether no joint holds an island, and the kick was the same for all of its bodies."""
+    """Whether no joint holds an island, no body is damped, and the kick is the same for all of its bodies."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    kicked, first = floats(world, KICKED), body_of(own[FIRST_NODE], world)
+    force, inverse_mass, inertia = floats(world, FORCE), floats(world, INVERSE_MASS), floats(world, INERTIA)
+    first = body_of(own[FIRST_NODE], world)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
+        link, body = nodes[node, LINK_ROW], body_of(node, world)
         if links[link, PARENT] == NONE and links[link, LINK_JOINT] >= 0:
             return False
-        for k in range(ADDED, ADDED + 3):
-            added = kicked[body_of(node, world), k]
-            if abs(added - kicked[first, k]) > _SAME * abs(added):
+        if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
+            return False
+        for k in range(3):
+            pushed = inverse_mass[body, INVERSE_LINEAR_MASS] * force[body, SUBSTEP_FORCE + k]
+            pushed_first = inverse_mass[first, INVERSE_LINEAR_MASS] * force[first, SUBSTEP_FORCE + k]
+            if force[body, SUBSTEP_TORQUE + k] != 0.0 or abs(pushed - pushed_first) > _SAME * abs(pushed):
                 return False
     return True

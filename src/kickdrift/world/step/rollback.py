@@ -20,6 +20,7 @@ from kickdrift.world.layout import (
     INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     ISOTROPIC,
+    KICK,
     KINEMATIC,
     LEFT_POSE,
     LEFT_TURN,
@@ -30,6 +31,7 @@ from kickdrift.world.layout import (
     TUMBLES,
     UNSOLVED,
     UPPER,
+    WHOLE_KICK,
 )
 from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.sleeping import REACH
@@ -78,6 +80,7 @@ def begin(t: float, h: float, world: int) -> None:
     Inertias are updated to orientations that the user has set, since contacts and joints need them before the kick.
     """
     delta_pose, pose, motion = floats(world, DELTA_POSE), floats(world, POSE), floats(world, MOTION)
+    kicked = floats(world, KICKED)
     old_pose, old_motion = floats(world, STARTED_POSE), floats(world, STARTED_MOTION)
     member, kind = integers(world, MEMBER), integers(world, BODY)
     inertia, status = floats(world, INERTIA), integers(world, STEP_STATUS)
@@ -95,6 +98,7 @@ def begin(t: float, h: float, world: int) -> None:
             follow_pose(world, body)
         if kind[body, BODY_KIND] == DYNAMIC and inertia[body, INERTIA_KIND] == TUMBLES:
             _keep_rotation(world, body)
+        kicked[body, KICK] = WHOLE_KICK
         for k in range(8):
             delta_pose[body, k] = 0.0
             old_pose[body, k] = pose[body, k]

@@ -27,7 +27,7 @@ from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
 from kickdrift.world.direct.energy_losses import note_losses
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
-from kickdrift.world.direct.half_kicks import give_half_kicks, withhold_half_kicks
+from kickdrift.world.direct.half_kicks import complete_half_kicks, mark_half_kicks
 from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.node_selection import find_nodes
 from kickdrift.world.direct.relaxation import relax_islands
@@ -35,8 +35,8 @@ from kickdrift.world.direct.restitution import bounce_islands
 from kickdrift.world.direct.solve import measure_islands, solve_islands
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.events import note_touching
-from kickdrift.world.force_functions import begin_forces
-from kickdrift.world.integration import drift, finish, flatten, kick
+from kickdrift.world.force_functions import begin_forces, begin_later_forces
+from kickdrift.world.integration import complete_free_kicks, drift, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.kinematics import follow_joints, measure_joints
@@ -91,18 +91,21 @@ def word(uses: Uses) -> Word:
     substep = (
         *when(direct and (uses.bounces or uses.is_fast), bounce_islands),
         *forces,
+        *when(uses.joints, mark_half_kicks),
         kick,
         *when(uses.bounces or uses.is_fast, bounce),
         warm_start,
         *when(uses.joints, warm_start_joints),
         solve,
-        *when(uses.joints, withhold_half_kicks),
         *when(uses.sequential, solve_in_turn),
         *when(direct, solve_islands),
         *when(uses.planar, flatten),
         drift,
+        *when(bool(uses.forces), begin_later_forces, *uses.forces, complete_free_kicks),
+        *when(uses.joints, complete_half_kicks),
+        *when(uses.planar and (uses.joints or bool(uses.forces)), flatten),
         relax,
-        *when(uses.joints, give_half_kicks, follow_joints),
+        *when(uses.joints, follow_joints),
         *when(uses.sequential, relax_in_turn),
         *when(direct, relax_islands),
         *when(uses.bounces or uses.is_fast, follow_paths),
@@ -184,8 +187,12 @@ def compose(spelt: Word, at: NDArray[np.intp], step: float, substeps: int, part:
     """
     before, substep, after = spelt
     begin, h = part * step, step / substeps
+    ends = [0.0] * len(substep)  # 1.0 where a stage covers the end of the substep
+    if begin_later_forces in substep:
+        first, last = substep.index(begin_later_forces), substep.index(complete_free_kicks)
+        ends[first:last] = [1.0] * (last - first)
     lengths = [step] * len(before) + [h] * len(substep) * substeps + [step] * len(after)
-    offsets = [0.0] * len(before) + [k * h for k in range(substeps) for _ in substep] + [step] * len(after)
+    offsets = [0.0] * len(before) + [(k + end) * h for k in range(substeps) for end in ends] + [step] * len(after)
     at = np.concatenate((at[: len(before) + substeps * len(substep)], at[len(at) - len(after) :]))
     return Program(
         at,
