@@ -14,7 +14,20 @@ be at rest there. Where all bodies are kicked alike and nothing holds them, that
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, times
 from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW, TOUCHES
+from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.direct.contact_rows import impulse_field
+from kickdrift.world.direct.layout import (
+    AFTER_CONTACT,
+    AFTER_JOINT,
+    AFTER_NODE,
+    FIRST_CONTACT,
+    FIRST_JOINT,
+    FIRST_NODE,
+    LINK_ROW,
+    TANGENT,
+    TOUCHES,
+)
+from kickdrift.world.direct.linked_contacts import constraint
 from kickdrift.world.direct.node_selection import body_of
 from kickdrift.world.joints.layout import (
     DRIVE_DAMPING,
@@ -47,6 +60,7 @@ from kickdrift.world.tables import (
     INERTIA,
     INVERSE_MASS,
     ISLAND,
+    ISLAND_CONTACT,
     ISLAND_JOINT,
     JOINT,
     JOINT_AXES,
@@ -72,7 +86,7 @@ def mark_half_kicks(t: float, h: float, world: int) -> None:
     for island in range(rows(world, ISLAND)):
         own = islands[island]
         halved = own[FIRST_JOINT] < own[AFTER_JOINT] and (
-            (own[TOUCHES] == 0 and _is_passive(island, world)) or (own[TOUCHES] < 2 and _falls(island, world))
+            (_is_unloaded(island, world) and _is_passive(island, world)) or (own[TOUCHES] < 2 and _falls(island, world))
         )
         for node in range(own[FIRST_NODE], own[AFTER_NODE]):
             kicked[body_of(node, world), KICK] = HALF_KICK if halved else WHOLE_KICK
@@ -97,6 +111,20 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
                 kicked[body, KICKED_VELOCITY + k] += more
                 motion[body, ANGULAR_VELOCITY + k] += turn[k]
                 kicked[body, KICKED_ANGULAR_VELOCITY + k] += turn[k]
+
+
+@compiled(cached=False)
+def _is_unloaded(island: int, world: int) -> bool:
+    """Whether no contact of an island had an impulse at the end of the last substep: none, or bounces alone."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    if own[TOUCHES] != 0 and own[FIRST_CONTACT] == own[AFTER_CONTACT]:
+        return False
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        fields = constraint(order[k, 0], world)
+        for i in range(TANGENT):
+            if fields[impulse_field(i) * WIDTH] != 0.0:
+                return False
+    return True
 
 
 @compiled(cached=False)
