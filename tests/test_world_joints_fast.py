@@ -247,3 +247,26 @@ def test_what_takes_energy_otherwise_is_no_loss(cause):
             world.angular_velocity[:] *= 0.99
         world.advance(STEP, 2)
     assert cause == "base" or world.energy().total < 0.95 * start
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_rods_on_hinges_that_bounce_keep_their_energy(seed):
+    rng = np.random.default_rng(seed)
+    length, tilt, rate = rng.uniform(0.2, 1.5), rng.uniform(0.2, 1.4), rng.uniform(0.0, 6.0)
+    world, along = World(), np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    rod = world.add_box(
+        (0.1 * length, 0.1 * length, length), position=0.5 * length * along, mass=1.0, restitution=1.0, friction=0.0,
+        orientation=(np.cos(tilt / 2), 0, np.sin(tilt / 2), 0), angular_velocity=(0, rate, 0),
+        velocity=np.cross((0, rate, 0), 0.5 * length * along),
+    )  # fmt: skip
+    world.add_hinge(world.ground, rod, anchor=(0, 0, 0), axis=(0, 1, 0))
+    shelf = (-length, 0, -0.3 * length)
+    world.add_box((length, length, 0.2 * length), position=shelf, static=True, restitution=1.0, friction=0.0)
+    start, energies, bounces = world.energy().total, [], 0
+    for _ in range(600):
+        world.step(1 / 60)
+        energies.append((world.energy().kinetic, world.energy().total - start))
+        bounces += len(world.events)
+    kinetic, off = np.array(energies).T
+    assert bounces >= 4
+    assert np.abs(off).max() < 1e-3 * kinetic.max()
