@@ -184,11 +184,11 @@ def _cost_of_advance(cart: Kickdrift) -> float:
 
 def _check_they_do_the_same() -> None:
     """Compare them after a second of small steps, in which the pole is put up."""
-    step = 1e-3
+    step = 2.5e-4  # MuJoCo's integrator is of first order
     ends = []
     for make in (Kickdrift, ByArrays, Mujoco):
         cart = make(step)
-        episode(cart, 1000)
+        episode(cart, 4000)
         ends.append(cart.state())
     if not np.allclose(ends, ends[0], 0.0, 5e-4):
         raise AssertionError(f"the carts end differently: {ends}")
