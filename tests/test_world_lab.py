@@ -1,14 +1,16 @@
 """The lab's quick scenes in kickdrift: each holds, or is named with what is measured instead."""
 
 import importlib.util
+from functools import partial
 
 import numpy as np
 import pytest
 from benchmarks.lab.building import Builder
+from benchmarks.lab.disguise import Disguised
 from benchmarks.lab.measures import comes_to, gains, keeps, loses, overlaps, rests, sinks, stays
 from benchmarks.lab.ours import Kickdrift
 from benchmarks.lab.report import markdown
-from benchmarks.lab.running import CONTESTANTS, Result, run
+from benchmarks.lab.running import CONTESTANTS, Contestant, Result, run
 from benchmarks.lab.scenes import TRIALS
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Unsupported
@@ -33,6 +35,13 @@ def _marked(trial):
 @pytest.mark.parametrize("trial", [_marked(trial) for trial in TRIALS if trial.quick])
 def test_a_scene_holds(trial):
     result = run(trial, OURS)
+    assert result.holds, "; ".join(criterion.said(value) for criterion, value in result.findings)
+
+
+@pytest.mark.parametrize("trial", [_marked(trial) for trial in TRIALS if trial.quick])
+def test_a_scene_in_disguise_holds(trial):
+    seed = len(trial.name) + len(TRIALS) * int(trial.duration)
+    result = run(trial, Contestant("kickdrift", partial(Disguised, seed=seed), OURS.step))
     assert result.holds, "; ".join(criterion.said(value) for criterion, value in result.findings)
 
 
