@@ -159,7 +159,8 @@ def test_bodies_without_mass_are_attracted_and_do_not_attract():
     ("make", "sentence"),
     [
         (lambda: kd.systems.harmonic_oscillator(x0=math.nan), "x0 of 'harmonic-oscillator' would contain nan"),
-        (lambda: kd.systems.harmonic_oscillator(omega=1e200), "params of 'harmonic-oscillator' would contain inf"),
+        (lambda: kd.systems.harmonic_oscillator(omega=1e200), r"omega=1e\+200 .* its square, .* is inf"),
+        (lambda: kd.systems.harmonic_oscillator(omega=1e-200), r"omega=1e-200 .* its square, .* is 0.0"),
         (lambda: kd.systems.kepler(mu=1e308), "v0 of 'kepler' would contain inf"),
         (
             lambda: kd.systems.nbody([1], [[0, 0, 0]], [[0, 0, 0]], softening=1e200),

@@ -1,6 +1,7 @@
 """The harmonic oscillator: x'' = -omega^2 x."""
 
 import math
+import sys
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,7 @@ def harmonic_oscillator(omega: float = 1.0, x0: float = 1.0, v0: float = 0.0) ->
     Raises
     ------
     ArgumentError
-        If `omega` is not positive.
+        If `omega` is not positive, or its square is not a normal number.
 
     Examples
     --------
@@ -51,6 +52,11 @@ def harmonic_oscillator(omega: float = 1.0, x0: float = 1.0, v0: float = 0.0) ->
     omega, x0, v0 = number("omega", omega), number("x0", x0), number("v0", v0)
     if not (math.isfinite(omega) and omega > 0):
         raise ArgumentError(f"omega={omega!r} must be positive and finite.")
+    if not sys.float_info.min <= omega * omega < math.inf:
+        raise ArgumentError(
+            f"omega={omega!r} is out of range: its square, to which the force is proportional, is {omega * omega!r}. Use"
+            " another unit of time."
+        )
 
     def exact(t: Floats) -> tuple[Floats, Floats]:
         c, s = np.cos(omega * t), np.sin(omega * t)
