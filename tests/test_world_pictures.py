@@ -18,6 +18,7 @@ from kickdrift.core.colours import colour_of
 from kickdrift.core.errors import ArgumentError, FileFormatError, MissingExtraError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.rotations import product, turned
+from kickdrift.engine.progress import told_of_steps
 from kickdrift.plots import animation
 from kickdrift.plots.camera import axes_of, showing
 from kickdrift.plots.painter import AHEAD, Painter
@@ -385,6 +386,23 @@ def test_a_gif_runs_in_real_time(falling, tmp_path, small_pictures):
         place = falling.x[0, 2] + (0, 0, -4.905 * (0.04 * k) ** 2)
         assert like(frame[pixel(painter, place)], 2)
     assert np.array_equal(frames[0][2, frames[0].shape[1] // 2], WHITE)
+
+
+def test_progress_of_a_film_includes_the_pictures_that_its_colours_are_chosen_from(
+    falling, tmp_path, small_pictures, monkeypatch
+):
+    told, chosen = [], []
+
+    def choose(samples, palette=animation._palette):
+        colours = palette(samples)
+        chosen.append(len(told))
+        return colours
+
+    monkeypatch.setattr(animation, "_palette", choose)
+    with told_of_steps(told.append):
+        falling.animate(tmp_path / "film.gif")
+    assert chosen == [animation._SAMPLES]
+    assert told == list(range(1, 14))
 
 
 def test_pictures_of_a_film_have_some_three_hundred_thousand_pixels(falling, tmp_path):

@@ -74,7 +74,8 @@ CASES = {
     ),
     Kind.FIRST_ORDER: Case(
         r"$y_0' = y_1,\ y_1' = (1 - y_0^2) y_1 - y_0$ (van der Pol)",
-        kd.FirstOrder(lambda y: np.array([y[1], (1 - y[0] ** 2) * y[1] - y[0]])), [1.0, 0.5], None, 3.0, 0.4,
+        kd.FirstOrder(lambda y: np.array([y[1], (1 - y[0] ** 2) * y[1] - y[0]])), [1.0, 0.5], None, 3.0,
+        0.3,  # above, the slope of gauss-8 is 6
     ),
     Kind.VELOCITY_DEPENDENT: Case(
         r"$x'' = -\sin x - v/10 - v^3/20 + 0.3 \cos t$",

@@ -71,9 +71,8 @@ def animate_recording(
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())
     if write is None:
         raise FileFormatError(f"path={str(path)!r} cannot be written: animations end in .gif or .mp4.")
-    film = _Film(recording, speed, int(rate), progress)
     try:
-        with written(target) as partial:
+        with closing(_Film(recording, speed, int(rate), progress)) as film, written(target) as partial:
             write(film, partial)
     except OSError as error:
         reason = error.strerror or error
@@ -87,13 +86,19 @@ class _Film:
     def __init__(self, recording: Recording, speed: float, rate: int, progress: bool | None) -> None:
         self.figure: Any = new_figure(1.0, 1.0, "")  # says so where matplotlib is missing, before the work
         self.rate = rate
-        self._recording, self._progress = recording, progress
+        self._recording = recording
         count = max(1, math.floor((recording.t[-1] - recording.t[0]) * rate / speed + 1e-9) + 1)
         self.times = recording.t[0] + np.arange(count) * (speed / rate)
         workers = min(_MOST_WORKERS, os.cpu_count() or 1, count)
         self._painters = [Painter(recording, _PIXELS) for _ in range(workers)]
         self._samples: dict[float, Pixels] = {}
         self._compose(speed)
+        self._bar = Bar(count, progress, unit="picture")
+        self._painted_count, self._started = 0, perf_counter()
+
+    def close(self) -> None:
+        """Remove the bar."""
+        self._bar.close()
 
     def _compose(self, speed: float) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -137,11 +142,8 @@ class _Film:
     def __iter__(self) -> Iterator[Pixels]:
         """Paint all pictures but those that are painted already."""
         painted = self._painted(self.times[[time not in self._samples for time in self.times]])
-        with closing(Bar(len(self.times), self._progress, unit="picture")) as bar:
-            started = perf_counter()
-            for count, time in enumerate(self.times, 1):
-                yield self._samples[time] if time in self._samples else next(painted)
-                bar.show(count, perf_counter() - started)
+        for time in self.times:
+            yield self._samples[time] if time in self._samples else next(painted)
 
     def _painted(self, times: Floats) -> Iterator[Pixels]:
         """Paint pictures, several at once."""
@@ -156,6 +158,8 @@ class _Film:
         self._image.set_data(picture)
         self._clock.set_text(f"{time:.2f} s{self._pace}")
         self._canvas.draw()
+        self._painted_count += 1
+        self._bar.show(self._painted_count, perf_counter() - self._started)
         return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
 
