@@ -24,14 +24,16 @@ def until(happened, what):
 class Browser:
     """A browser on a page: what it was sent, and what its user does."""
 
-    def __init__(self, url):
+    def __init__(self, url, width=9, height=9):
         self._socket = connect(
             url.replace("http", "ws"), origin=url, subprotocols=[f"viser-v{viser.__version__}"], max_size=None
         )
-        self.nodes, self.gui = {}, {}
+        self.nodes, self.gui, self.camera = {}, {}, []
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
-        self.say(_messages.ViewerCameraMessage((1, 0, 0, 0), (0, 0, 1), 1, 0.1, 10, 9, 9, (0, 0, 0), (0, 0, 1)))
+        self.say(
+            _messages.ViewerCameraMessage((1, 0, 0, 0), (0, 0, 1), 1, 0.1, 10, height, width, (0, 0, 0), (0, 0, 1))
+        )
 
     def say(self, message):
         self._socket.send(msgspec.msgpack.encode(message.as_serializable_dict()))
@@ -95,6 +97,8 @@ class Browser:
             self.nodes[message["name"]]["visible"] = message["visible"]
         elif message["type"] == "RemoveSceneNodeMessage":
             self.nodes.pop(message["name"], None)
+        elif message["type"] == "SetCameraPositionMessage":
+            self.camera.append(np.array(message["position"]))
         elif "props" in message and "uuid" in message:
             self.gui[message["uuid"]] = message
         elif "props" in message:

@@ -1,6 +1,7 @@
 """Worlds on live pages: they run by the clock, are paused, reset and pulled at, and other sites are refused."""
 
 import http.client
+import math
 import re
 import signal
 import socket
@@ -357,6 +358,23 @@ def page():
     with world.view(1 / 100, port=0) as page:
         yield world, ball, page
     until(lambda: threading.active_count() <= threads, "threads to end")
+
+
+@pytest.mark.parametrize("aspect", [2.0, 1.0, 0.5, 0.25])
+def test_a_page_that_is_higher_than_wide_is_seen_from_farther_away(page, aspect):
+    _, _, page = page
+    half = math.atan(
+        min(aspect, 1.0) * math.tan(math.radians(17.0))
+    )  # of what is seen, from side to side or top to bottom
+    wanted = page._picture._radius / math.sin(half)
+    with Browser(page.url, width=40, height=round(40 / aspect)) as browser:
+
+        def is_there():
+            return (
+                browser.camera and abs(np.linalg.norm(browser.camera[-1] - page._picture._centre) / wanted - 1) < 1e-6
+            )
+
+        until(is_there, "the camera to be moved")
 
 
 def test_the_page_plays_pauses_steps_and_resets(page, capsys):

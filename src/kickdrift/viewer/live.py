@@ -18,7 +18,7 @@ from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, on_p
 from kickdrift.viewer.controls import Controls
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.meshes import Drag, State
-from kickdrift.viewer.page import Stage
+from kickdrift.viewer.page import Stage, place
 from kickdrift.viewer.server import ADDRESS, local_server
 from kickdrift.world.arguments import number
 from kickdrift.world.layout import DYNAMIC
@@ -140,12 +140,13 @@ class LivePage:
         self._picture = _Picture(server.scene, server.initial_camera, live, self._hear)
         self._controls = Controls(server.gui, live, self._asked.put)
 
-        def play_at_first(_: Any) -> None:
+        def begin(page: Any) -> None:
+            self._picture.fit(page.camera)
             if not opened.is_set():
                 opened.set()
                 self._asked.put(live.play)
 
-        server.on_client_connect(play_at_first)
+        server.on_client_connect(begin)
 
     def _hear(self, drag: Drag) -> None:
         """Note what the mouse does, which comes from the thread of the server."""
@@ -188,12 +189,17 @@ class _Picture:
         bodies, vertices = (
             [places, *on_planes(self._looks, state, places)] for places in (state.position, state.particles)
         )
-        centre, self._radius = extent(self._looks, np.array(bodies), np.array(vertices))
-        Stage(scene, camera, time.sleep).look(centre, self._radius)
+        self._centre, self._radius = extent(self._looks, np.array(bodies), np.array(vertices))
+        Stage(scene, camera, time.sleep).look(self._centre, self._radius)
         self._drawn = self._draw(state)
         self._springs = scene.add_line_segments(
             "/springs", np.zeros((1, 2, 3)), _SPRING, thickness=3.0, thickness_units="screen", visible=False
         )
+
+    def fit(self, camera: Any) -> None:
+        """Move the camera of a page that is higher than wide back, as far as needed to see all."""
+        if camera.aspect < 1.0:
+            place(camera, self._centre, self._radius, camera.aspect)
 
     def show(self) -> None:
         """Send what has changed."""

@@ -31,10 +31,7 @@ class Stage(NamedTuple):
 
     def look(self, centre: Floats, radius: float) -> None:
         """Place the camera so that it sees a ball, and the lamps."""
-        ahead = np.array(AHEAD) / np.linalg.norm(AHEAD)
-        distance = radius / math.sin(0.5 * _FIELD)
-        self.camera.position = centre - distance * ahead
-        self.camera.look_at = centre
+        distance = place(self.camera, centre, radius)
         self.camera.up = (0.0, 0.0, 1.0)
         self.camera.fov = _FIELD
         self.scene.configure_environment_map(None)
@@ -42,6 +39,15 @@ class Stage(NamedTuple):
         self.scene.add_light_ambient("/ambient", intensity=1.3)
         self.scene.add_light_directional("/lamp", intensity=2.2, cast_shadow=True, position=(-3.0, -4.0, 8.0))
         self.camera.near, self.camera.far = 1e-3 * distance, 1e2 * distance
+
+
+def place(camera: Any, centre: Floats, radius: float, aspect: float = 1.0) -> float:
+    """Place a camera so that it sees a ball, in a picture of an aspect, width over height; return its distance."""
+    ahead = np.array(AHEAD) / np.linalg.norm(AHEAD)
+    distance = radius / math.sin(math.atan(min(aspect, 1.0) * math.tan(0.5 * _FIELD)))
+    camera.position = centre - distance * ahead
+    camera.look_at = centre
+    return distance
 
 
 def check_in_memory(solution: Solution) -> None:
