@@ -5,36 +5,18 @@ import itertools
 
 import numpy as np
 import pytest
+from random_sheets import crossed, crossings, random_sheet
 
 import kickdrift as kd
 from kickdrift.world import tables
 from kickdrift.world.cloth import layout
-from kickdrift.world.cloth.face_tree import face_tree
+from kickdrift.world.cloth.face_tree import face_tree, stars
 from kickdrift.world.cloth.mesh import cloth_mesh, grid
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, nearest
 from kickdrift.world.collision.bvh import BRANCH
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down
-
-
-def crossings(*cloths):
-    """How many pairs of an edge and a triangle cross, by brute force: of one cloth, or of several those of different ones."""
-    begins = np.cumsum([0, *(len(cloth.position) for cloth in cloths)])
-    x = np.concatenate([cloth.position for cloth in cloths])
-    faces = np.concatenate([cloth.triangles + begin for cloth, begin in zip(cloths, begins, strict=False)])
-    edges = np.unique(np.sort(np.concatenate((faces[:, :2], faces[:, 1:], faces[:, ::2])), axis=1), axis=0)
-    a, b, c = (x[faces[:, k]] for k in range(3))
-    above = ((x[:, None] - a) * np.cross(b - a, c - a)).sum(axis=2)  # which side of a triangle a particle is on
-    edge, face = np.nonzero(above[edges[:, 0]] * above[edges[:, 1]] < 0.0)
-    i, j = edges[edge].T
-    u, v, w = (corners[face] - x[i] for corners in (a, b, c))
-    sides = np.stack([(np.cross(*two) * (x[j] - x[i])).sum(axis=1) for two in ((v, w), (w, u), (u, v))])
-    inside = (sides > 0).all(axis=0) | (sides < 0).all(axis=0)
-    apart = ~((faces[face] == i[:, None]) | (faces[face] == j[:, None])).any(axis=1)
-    if len(cloths) > 1:
-        apart = np.searchsorted(begins, faces[face, 0], side="right") != np.searchsorted(begins, i, side="right")
-    return int((inside & apart).sum())
 
 
 def has_crossings(cloth):
@@ -125,6 +107,38 @@ def test_neighbouring_triangles_of_a_crumpled_sheet_do_not_fold_through_each_oth
     for _ in range(4):
         world.advance(STEP, 10)
         assert crossings(sheet) == 0
+
+
+@pytest.mark.parametrize("seed", [4, 5, 11, 12, 21, 23])
+def test_random_sheets_that_crumple_do_not_cross_themselves(seed):
+    assert crossed(*random_sheet(seed), 80) == (0, 0, 0)
+
+
+def test_triangles_around_a_particle_overlap_where_another_one_is_folded_away():
+    """Five of six triangles are in one plane, all but a turn, and the last lies over the first, whose normal it has."""
+    world = kd.World(gravity=(0, 0, 0))
+    hexagon = [(0, 0, 0), *((np.cos(k * np.pi / 3), np.sin(k * np.pi / 3), 0) for k in range(6))]
+    soft = {"stretch_stiffness": 1e-3, "shear_stiffness": 1e-3, "bending_stiffness": 0.0, "thickness": 0.01}
+    fan = world.add_cloth(hexagon, [(0, k + 1, (k + 1) % 6 + 1) for k in range(6)], **soft, self_collision=True)
+    turns = np.radians([0, 75, 150, 225, 300, 365])
+    fan.position[1:] = np.stack((np.cos(turns), np.sin(turns), 0.01 * np.arange(6)), axis=1)
+    fan.position[[0, 6], 2] = 0.02
+    fan.velocity[6] = (0, 0, -2)
+    for _ in range(10):
+        world.step(STEP)
+        centre, first, second = fan.position[:3]
+        assert np.dot(fan.position[6] - centre, np.cross(first - centre, second - centre)) > 0.0
+
+
+def test_corners_at_a_vertex_are_a_cycle():
+    mesh = cloth_mesh(*grid(5, 4, (1.0, 0.6)))
+    after, corners = stars(mesh.triangles).ravel(), mesh.triangles.ravel()
+    for corner in range(len(corners)):
+        found, at = [corner], int(after[corner])
+        while at != corner:
+            found.append(at)
+            at = int(after[at])
+        assert sorted(found) == np.flatnonzero(corners == corners[corner]).tolist()
 
 
 def test_patches_that_are_not_compared_are_one_piece_with_what_joins_them():

@@ -5,6 +5,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length
+from kickdrift.world.cloth.face_normals import is_flat_around, least_cosine
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_RADIUS,
@@ -25,7 +26,7 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.cloth.separation import are_apart, nearing
-from kickdrift.world.cloth.swept_bounds import least_cosine, predicted
+from kickdrift.world.cloth.swept_bounds import predicted
 from kickdrift.world.cloth.tangles import note_crossing
 from kickdrift.world.columns import vector_at
 from kickdrift.world.step.status import ask_for_room
@@ -46,9 +47,7 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-# Cosines between the normals of adjacent triangles above which they cannot touch: with a common edge, and with a common vertex.
-# Of six triangles around a vertex the first and the last may cross, while the sixth is folded away.
-_FOLDED, _BENT = 0.0, 0.62
+_FOLDED = 0.0  # cosine between the normals of triangles with a common edge, above which they cannot touch
 _CLOSE = 0.5  # of the distance at rest: the distance kept between features that are closer than the thickness at rest
 
 
@@ -56,14 +55,17 @@ _CLOSE = 0.5  # of the distance at rest: the distance kept between features that
 def pair_faces(world: int, cloth: int, other: int, f: int, g: int) -> bool:
     """Find the pairs of two triangles; False if there is no room for them.
 
-    Adjacent triangles at a small angle cannot touch.
+    Triangles with a common edge cannot touch unless folded, those with a common vertex unless any triangle around it is.
     """
     face = integers(world, FACE)
-    shared = 0
+    shared = common = 0
     for i in range(3):
         for j in range(3):
-            shared += int(face[f, CORNERS + i] == face[g, CORNERS + j])
-    if shared > 0 and least_cosine(world, f, g) > (_FOLDED if shared == 2 else _BENT):
+            if face[f, CORNERS + i] == face[g, CORNERS + j]:
+                shared, common = shared + 1, i
+    if shared == 2 and least_cosine(world, f, g) > _FOLDED:
+        return True
+    if shared == 1 and is_flat_around(world, f, common):
         return True
     if shared == 0 and are_apart(world, cloth, other, f, g):
         return True

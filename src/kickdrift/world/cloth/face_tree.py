@@ -107,6 +107,18 @@ def _joined(pairs: Integers, count: int) -> Integers:
     return triples[kept]
 
 
+def stars(triangles: Integers) -> Integers:
+    """Return for each corner the next one at the same vertex, cyclically, as in the column `NEXT_AROUND`, (M, 3)."""
+    corners = triangles.ravel()
+    order = np.argsort(corners, kind="stable")
+    begins = np.flatnonzero(np.diff(corners[order], prepend=-1))
+    following = np.roll(order, -1)
+    following[np.append(begins[1:], len(order)) - 1] = order[begins]
+    after = np.empty_like(order)
+    after[order] = following
+    return after.reshape(-1, 3)
+
+
 def owned(triangles: Integers) -> Integers:
     """Return the sets of corners and sides that each triangle is the first to have, (M,), as in the column `OWNED`."""
     corners, count = triangles.ravel(), len(triangles)

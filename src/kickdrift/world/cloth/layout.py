@@ -19,6 +19,7 @@ from kickdrift.world.tables import (
     FACE_GROUP,
     FACE_NORMALS,
     FACE_NUMBERS,
+    FACE_STARS,
     FACE_TURN,
     GROUP_REST,
     GROUP_STRAIN,
@@ -193,6 +194,11 @@ column(FACE_NORMALS, 6)  # corners of a box around its unit normal
 # FACE_TURN
 column(FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it is undetermined
 
+# FACE_STARS
+NEXT_AROUND = column(
+    FACE_STARS, 3
+)  # of each corner, three times a triangle plus its corner: the next one at this particle
+
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)
 NEAR_NODES = column(CLOTH_TREE_NODE, 2)  # the first and one after the last, of those in TREE_NEIGHBOUR
@@ -245,6 +251,8 @@ NOT_LAID = -1.0
 IN_ZONE = column(ZONE)  # parent in the disjoint sets of particles
 IS_TANGLED = column(ZONE)  # 1 if a triangle of it crosses another one
 IS_STRAY = column(ZONE)  # 1 if it has left its predicted path, so that its pairs are sought again
+STAR = column(ZONE)  # whether the triangles around it are flat
+NOT_KNOWN, FLAT, FOLDED = 0, 1, 2  # values of STAR
 
 # ZONE_NUMBERS, of the first particle
 ZONE_MASS = column(ZONE_NUMBERS, 1, "kg")

@@ -13,6 +13,7 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
+from kickdrift.world.cloth.face_normals import is_flat
 from kickdrift.world.cloth.face_pairs import overlap, pair_faces
 from kickdrift.world.cloth.layout import (
     BETWEEN,
@@ -33,7 +34,7 @@ from kickdrift.world.cloth.layout import (
     SOUGHT,
     VALID,
 )
-from kickdrift.world.cloth.swept_bounds import find_strays, has_strayed, is_flat, set_frame, start_search, sweep
+from kickdrift.world.cloth.swept_bounds import find_strays, has_strayed, set_frame, start_search, sweep
 from kickdrift.world.cloth.tangles import CROSSING, tangle
 from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
 from kickdrift.world.tables import (

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from kickdrift.world import tables as t
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.face_groups import face_groups
-from kickdrift.world.cloth.face_tree import face_tree
+from kickdrift.world.cloth.face_tree import face_tree, stars
 from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.collision.bvh import ITEM, SKIP
 
@@ -18,7 +18,7 @@ _OF_PARTICLES = (
     t.STARTED_PARTICLE, t.PARTICLE_SHIFT, t.INTERVAL_START, t.PARTICLE_PATH, t.PARTICLE_BOUNDS,
     t.PARTICLE_WIND, t.ZONE, t.ZONE_NUMBERS,
 )  # fmt: skip
-_OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_TURN
+_OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_STARS, t.FACE_TURN
 OF_A_STEP = (
     *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR, t.CLOTH_PAIR,
     t.CLOTH_PAIR_NUMBERS, t.CLOTH_SEARCH, t.PARTICLE_LANES, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
@@ -42,6 +42,8 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
         tree, first = face_tree(mesh), tables.count(t.CLOTH_TREE)
         last = first + len(tree.items)
         cloth[[c.FIRST_NODE, c.LAST_NODE]] = first, last
+        faces = slice(cloth[c.FIRST_FACE], cloth[c.LAST_FACE])
+        tables.array(t.FACE_STARS)[faces, c.NEXT_AROUND : c.NEXT_AROUND + 3] = stars(mesh.triangles) + 3 * faces.start
         for table in (t.CLOTH_TREE, t.NORMAL_TREE):
             nodes = tables.resize(table, last)[first:]
             nodes[:, SKIP], nodes[:, ITEM] = tree.skips, tree.items

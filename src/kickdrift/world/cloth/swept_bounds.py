@@ -5,10 +5,10 @@ with the cloths, so that those of a cloth that flies as a whole stay small.
 """
 
 import math
-from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus, plus, times
+from kickdrift.world.cloth.face_normals import forget_star
 from kickdrift.world.cloth.layout import (
     BOXES_VELOCITY,
     CLOTH_RADIUS,
@@ -60,9 +60,6 @@ from kickdrift.world.tables import (
 _LATE = 1.0 + 1e-9  # of the horizon, up to which predictions hold, with rounding
 _SQUEEZED = 0.6  # of its area at rest: a triangle that is smaller may turn over in its plane
 _ANY = 9.0  # half a side of the box of an undetermined normal
-# Smallest cosine between the normals of a flat patch and a direction. Of six triangles around a vertex five may be in a patch,
-# and if they are inclined by more than 30 degrees the first and the last may cross while the sixth is folded away.
-_FLAT = 0.9
 
 
 @compiled
@@ -149,6 +146,7 @@ def sweep(world: int, part: float) -> None:
             if has_strayed(world, f):
                 _enclose(world, f)
                 _enclose_normal(world, f)
+                forget_star(world, f)
         _fit_strays(world, own[cloth, FIRST_NODE], own[cloth, LAST_NODE])
 
 
@@ -247,24 +245,3 @@ def _normal(world: int, f: int, age: float) -> Vector:
     origin = predicted(world, face[f, CORNERS], age)
     p = minus(predicted(world, face[f, CORNERS + 1], age), origin)
     return cross(p, minus(predicted(world, face[f, CORNERS + 2], age), origin))
-
-
-@compiled
-def is_flat(boxes: Any, m: int, n: int, o: int) -> bool:
-    """Whether all normals in three boxes are close to one direction."""
-    x, u = min(boxes[m, 0], boxes[n, 0], boxes[o, 0]), max(boxes[m, 3], boxes[n, 3], boxes[o, 3])
-    y, v = min(boxes[m, 1], boxes[n, 1], boxes[o, 1]), max(boxes[m, 4], boxes[n, 4], boxes[o, 4])
-    z, w = min(boxes[m, 2], boxes[n, 2], boxes[o, 2]), max(boxes[m, 5], boxes[n, 5], boxes[o, 5])
-    middle, half = (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), (0.5 * (u - x), 0.5 * (v - y), 0.5 * (w - z))
-    square = dot(middle, middle)
-    least = square - (abs(middle[0]) * half[0] + abs(middle[1]) * half[1] + abs(middle[2]) * half[2])
-    flat: bool = least > 0.0 and least * least >= _FLAT * _FLAT * square
-    return flat
-
-
-@compiled(inline=True)
-def least_cosine(world: int, f: int, g: int) -> float:
-    """Return the smallest cosine between the normals of two triangles, at present and predicted."""
-    turn = floats(world, FACE_TURN)
-    a, b, c, d = vector_at(turn, f, 0), vector_at(turn, f, 3), vector_at(turn, g, 0), vector_at(turn, g, 3)
-    return min(dot(a, c), dot(a, d), dot(b, c), dot(b, d))
