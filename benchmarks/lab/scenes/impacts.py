@@ -118,4 +118,28 @@ def _coin(exact: float = 1.480) -> Trial:
     return Trial("coin of 24 corners", (builder.scene(),), 5.0, criteria, looks=300)
 
 
-TRIALS = (_bullet("box"), _bullet("ball"), _grounded_bullets(), _billiards(), _dominoes(), _coin())
+def _gas(members: int = 3, count: int = 30) -> Trial:
+    """Elastic balls of 1 to 100 kg fly about between six walls of 2 cm: a light one that is struck gets fast within a step."""
+    scenes = []
+    for seed in range(members):
+        random, places = np.random.default_rng(seed), np.empty((0, 3))
+        builder = Builder(0.0, friction=0.0, restitution=1.0)
+        for axis in range(3):
+            for side in (-1.01, 1.01):
+                builder.box(2.1 - 2.08 * np.eye(3)[axis], position=side * np.eye(3)[axis], static=True)
+        while len(places) < count:
+            radius, at = random.uniform(0.03, 0.1), random.uniform(-0.88, 0.88, 3)
+            if (np.linalg.norm(places - at, axis=1) > radius + 0.11).all():
+                mass, speed = 100.0 ** random.uniform(), 5.0 * random.normal(size=3)
+                builder.sphere(radius, position=at, mass=mass, velocity=speed)
+                places = np.vstack((places, at))
+        scenes.append(builder.scene())
+
+    def outside(scene: Scene, watched: Watched) -> float:
+        return float(np.abs(watched.poses[:, 6:, :3]).max() - 1.0)
+
+    criteria = (at_most("outside", "m", outside, 0.0), keeps(0.01))
+    return Trial("gas of 30 light and heavy balls between thin walls, e = 1", tuple(scenes), 5.0, criteria)
+
+
+TRIALS = (_bullet("box"), _bullet("ball"), _grounded_bullets(), _billiards(), _dominoes(), _coin(), _gas())

@@ -16,8 +16,10 @@ _ACROSS = np.array([0.0, 1.0, 0.0])
 _BODIES, _FLOOR = 2, 1  # layers: bodies meet the floor alone
 
 
-def family(kind: str, restitution: float, friction: float, seed: int, planar: bool = False) -> Scene:
-    """Let boxes or capsules fall from 2 m, of aspect ratios 0.02 to 38, turning with up to 10 rad/s about any axis."""
+def family(
+    kind: str, restitution: float, friction: float, seed: int, planar: bool = False, fastest: float = 10.0
+) -> Scene:
+    """Let boxes or capsules fall from 2 m, of aspect ratios 0.02 to 38, turning with up to `fastest` rad/s about any axis."""
     random = np.random.default_rng(seed)
     builder = Builder(friction=friction, restitution=restitution, planar=planar)
     builder.plane(layer=_FLOOR)
@@ -26,7 +28,7 @@ def family(kind: str, restitution: float, friction: float, seed: int, planar: bo
         options = {
             "position": (x, y, 2.0),
             "orientation": random.normal(size=4) * ((1, 0, 1, 0) if planar else 1),
-            "angular_velocity": random.uniform(0.0, 10.0) * (_ACROSS if planar else _direction(random)),
+            "angular_velocity": random.uniform(0.0, fastest) * (_ACROSS if planar else _direction(random)),
             "layer": _BODIES,
             "mask": _FLOOR,
         }
@@ -48,6 +50,11 @@ def _landing(kind: str, restitution: float, seed: int, planar: bool = False) -> 
     scenes = tuple(family(kind, restitution, friction, seed + k, planar) for k, friction in enumerate((0.0, 0.5)))
     name = f"50 {'slender boxes' if kind == 'box' else 'capsules'} landing, e = {restitution:g}"
     return Trial(f"planar: {name}" if planar else name, scenes, 2.5, (gains(0.01),), looks=150)
+
+
+def _fast() -> Trial:
+    scenes = tuple(family(kind, 1.0, 0.0, 500 + k, fastest=1200.0) for k, kind in enumerate(("box", "capsule")))
+    return Trial("50 slender bodies landing at up to 1200 rad/s, e = 1", scenes, 2.5, (gains(0.01),), looks=150)
 
 
 def smooth(kind: str, seed: int) -> Scene:
@@ -104,6 +111,7 @@ TRIALS = (
     *(_landing("box", e, 10 * k + 100) for k, e in enumerate((0.0, 0.5, 0.8, 1.0))),
     *(_landing("capsule", e, 10 * k + 200) for k, e in enumerate((0.0, 0.5, 0.8, 1.0))),
     *(_landing("box", e, 10 * k + 300, planar=True) for k, e in enumerate((0.0, 0.5, 1.0))),
+    _fast(),
     _smooth(),
     _spinning(),
 )

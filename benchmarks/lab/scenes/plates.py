@@ -79,4 +79,29 @@ def _heavy_load() -> Trial:
     return Trial("load of ten times its carrier", (builder.scene(),), 3.0, criteria)
 
 
-TRIALS = (*_resting(), *_pulled(), _heavy_load())
+def _sliding_loads() -> Trial:
+    """Let carriers slide to a stop under loads of 10 and 100 times their weight, with the same coefficient everywhere."""
+    speed = 5.0
+    scenes = []
+    for mu in (0.1, 0.4, 0.9):
+        for mass in (10.0, 100.0):
+            builder = Builder(friction=mu)
+            builder.plane()
+            builder.box((0.24, 0.24, 0.06), position=(0.0, 0.0, 0.03), mass=1.0, velocity=(speed, 0.0, 0.0))
+            builder.box((0.08, 0.08, 0.04), position=(0.0, 0.0, 0.08), mass=mass, velocity=(speed, 0.0, 0.0))
+            scenes.append(builder.scene())
+
+    def way(scene: Scene, watched: Watched) -> float:
+        """Distance over that of Coulomb's law."""
+        gone = watched.poses[-1, 1, 0] - watched.poses[0, 1, 0]
+        return float(gone * 2.0 * scene.bodies[1].friction * GRAVITY / speed**2)
+
+    def slip(scene: Scene, watched: Watched) -> float:
+        apart = watched.poses[-1, 1:3, 0] - watched.poses[0, 1:3, 0]
+        return float(abs(apart[0] - apart[1]))
+
+    criteria = (comes_to("distance / exact", "", way, 1.0, 0.01), at_most("slips", "m", slip, 0.002))
+    return Trial("6 carriers under 10 and 100 times their weight slide to a stop", tuple(scenes), 6.0, criteria)
+
+
+TRIALS = (*_resting(), *_pulled(), _heavy_load(), _sliding_loads())

@@ -52,7 +52,8 @@ def _towers() -> list[Trial]:
     masses = [1.5**k for k in range(10)]
     heavier = standing("tower: 10 boxes, masses growing by 1.5", tower(masses, (1.0,) * 10), 1.0)
     larger = standing("tower: 10 cubes, edges growing by 1.5", tower([1000 * e**3 for e in edges_up], edges_up), 0.2)
-    return [*ratios, under, *equal, halving, growing, heavier, larger, _drawn()]
+    tiny = standing("tower: 5 cubes of 5 mm", tower((1e-4,) * 5, (0.005,) * 5), 0.005)
+    return [*ratios, under, *equal, halving, growing, heavier, larger, tiny, _drawn()]
 
 
 def _drawn(members: int = 6) -> Trial:
