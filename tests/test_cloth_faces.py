@@ -160,6 +160,42 @@ def test_momentum_where_a_ball_hits_triangles_whose_corners_are_pinned_to_anothe
     assert np.abs(world.angular_momentum() - spin).max() < 0.02 * np.linalg.norm(spin)
 
 
+@pytest.mark.parametrize("kind", ["ball", "capsule", "box", "cylinder", "cone"])
+def test_bodies_lie_on_a_sheet_all_of_whose_vertices_are_pinned(kind):
+    world = kd.World()
+    sheet = world.add_cloth_grid((1, 1), (7, 7), position=(0, 0, 1), thickness=0.01)
+    sheet.pin(np.arange(49))
+    turn = (np.sqrt(0.5), 0, np.sqrt(0.5), 0) if kind == "capsule" else (1, 0, 0, 0)
+    body = add(world, kind, 0.1, position=(0.03, 0.02, 1.2), orientation=turn, mass=3.0)
+    lowest = {"capsule": 0.05, "cone": 0.05}.get(kind, 0.1)  # a quarter of the height of a cone
+    world.advance(STEP, 200)
+    assert body.position[2] == pytest.approx(1.0 + 0.005 + lowest, abs=1e-4)
+    assert np.abs(body.velocity).max() < 0.01
+
+
+def test_balls_do_not_sink_into_the_pinned_edge_of_a_sheet():
+    world, balls = kd.World(), []
+    sheet = sheet_of(world, 9, size=1.0, thickness=0.01, friction=0.0)
+    for x, y in ((0.5, 0.0), (-0.5, 0.1), (0.22, 0.5), (0.04, -0.49), (0.5, 0.5)):
+        balls.append(world.add_sphere(0.06, position=(x, y, 1.15), mass=0.5))
+    for _ in range(60):
+        world.step(STEP)
+        for ball in balls:
+            assert np.linalg.norm(sheet.position - ball.position, axis=1).min() > 0.06
+
+
+def test_pins_push_neither_the_body_they_are_in_nor_one_that_is_joined_to_it():
+    world = kd.World(gravity=(0, 0, 0))
+    torso = world.add_box((0.4, 0.4, 0.6), mass=5.0)
+    arm = world.add_capsule(0.06, 0.4, position=(0, 0.26, 0.1), mass=1.0)
+    world.add_ball_joint(torso, arm, anchor=(0, 0.2, 0.25))
+    cape = world.add_cloth_grid((0.4, 0.6), (6, 9), position=(0, 0, 0.25))
+    cape.pin(np.arange(54), torso)
+    assert np.linalg.norm(cape.position - (0, 0.26, 0.25), axis=1).min() < 0.06  # in the arm, too
+    world.advance(STEP, 10)
+    assert np.abs((arm.velocity, torso.velocity)).max() < 1e-12
+
+
 @pytest.mark.parametrize("pinned", [False, True])
 def test_bodies_of_a_planar_world_stay_in_its_plane_where_sheets_push_or_pull_them(pinned):
     world = kd.World(plane_normal=(0, 1, 0))

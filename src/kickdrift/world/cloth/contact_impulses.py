@@ -106,14 +106,14 @@ def _iterate(world: int, first: int, last: int, part: float, left: float) -> Non
 def _begin(world: int, row: int, most: float, left: float) -> None:
     """Begin a contact with the impulse of the part before, and move a point inside its shape out.
 
-    No particle moves by more than `most`, beside a pinned one either.
+    No particle moves by more than `most`, beside a pinned one either. Points that cannot move leave a body as deep as it is.
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     particle, gap, n = floats(world, PARTICLE), numbers[row, CLOTH_GAP], vector_at(numbers, row, CLOTH_NORMAL)
     if gap >= 0.0 and numbers[row, CONTACT_IMPULSE] == 0.0:
         return
     corners, share, by, inverse_mass = shares_of(world, row)
-    if gap < 0.0:
+    if gap < 0.0 and inverse_mass > 0.0:
         out = min(-gap, most * inverse_mass / max(by[0], by[1], by[2]))
         numbers[row, CLOTH_GAP] = gap + out
         add_shares(particle, corners, 0, by, times(out / inverse_mass, n))

@@ -139,7 +139,7 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     moves = False
     for k in range(3):
         contact[row, HELD_BY + k] = pin_of(world, cloth, corners[k])
-        moves = moves or _moves(world, corners[k], body)
+        moves = moves or moves_body(world, corners[k], body)
     contact[row, MOVES_BODY] = int(moves)
     arm = minus(point, _start_of_body(world, body, h))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
@@ -157,7 +157,7 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
 
 
 @compiled(inline=True)
-def _moves(world: int, i: int, body: int) -> bool:
+def moves_body(world: int, i: int, body: int) -> bool:
     """Whether a body receives the reaction of a particle; a sleeping one does if it is hit, and wakes before the next step."""
     own, v = integers(world, BODY), vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY)
     slow = floats(world, SETTINGS)[0, SLEEP_SPEED]

@@ -8,8 +8,9 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, length, minus, turned
 from kickdrift.world.cloth.ball_contact import touch_of_ball
-from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, largest_speed, note_contact, start_pose
+from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, largest_speed, moves_body, note_contact, start_pose
 from kickdrift.world.cloth.face_contacts import find_faces
+from kickdrift.world.cloth.held_corners import holds_off
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     DIMENSION,
@@ -32,7 +33,7 @@ from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.overlap_query import find_near, find_triangles
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.layout import IS_SENSOR, MASK, RADIUS
+from kickdrift.world.layout import BODY_ROW, IS_SENSOR, MASK, RADIUS
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
@@ -127,10 +128,10 @@ def _find_on_shape(world: int, cloth: int, shape: int, h: float, after: int) -> 
     """Find the particles of a cloth that may touch a shape; False if there is no room for them."""
     own, particle, around = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PLACE)[shape, RADIUS]
     start, speed, sort = start_pose(world, shape, h), largest_speed(world, shape), sort_of(world, shape)
-    at, q = start
+    (at, q), body = start, integers(world, SHAPE)[shape, BODY_ROW]
     up, radius = turned(q, (0.0, 0.0, 1.0)), floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
-        if particle[i, PARTICLE_INVERSE_MASS] == 0.0:
+        if particle[i, PARTICLE_INVERSE_MASS] == 0.0 and not moves_body(world, i, body):
             continue
         away = minus(vector_at(particle, i, 0), at)
         margin = h * (speed + length(vector_at(particle, i, PARTICLE_VELOCITY))) + radius
@@ -163,6 +164,9 @@ def _find_on_surface(
 @compiled
 def _touch(world: int, cloth: int, i: int, shape: int, triangle: int, start: Pose, margin: float, h: float) -> bool:
     """Add the contact of a particle with a shape, or one of its triangles, if there is one; False if there is no room."""
-    p, radius = vector_at(floats(world, PARTICLE), i, 0), floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
+    particle, radius = floats(world, PARTICLE), floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
+    p, body = vector_at(particle, i, 0), integers(world, SHAPE)[shape, BODY_ROW]
+    if particle[i, PARTICLE_INVERSE_MASS] == 0.0 and not holds_off(world, cloth, i, body):
+        return True
     touches, touch = touch_of_ball(world, shape, triangle, start, p, radius, margin)
     return not touches or note_contact(world, cloth, shape, (i, i, i), AT_FIRST, touch, h)

@@ -11,8 +11,16 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.cloth.ball_contact import touch_of_ball
-from kickdrift.world.cloth.contact_rows import Pose, Touch, largest_speed, note_contact, start_pose, velocity_at
-from kickdrift.world.cloth.held_corners import Corners, is_pinned_to
+from kickdrift.world.cloth.contact_rows import (
+    Pose,
+    Touch,
+    largest_speed,
+    moves_body,
+    note_contact,
+    start_pose,
+    velocity_at,
+)
+from kickdrift.world.cloth.held_corners import Corners, holds_off, is_pinned_to
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     CORNERS,
@@ -132,9 +140,9 @@ def _touch(
         on_shape = point_at(manifold, POINT + k * POINT_SIZE + ON_B)
         shares, gap = barycentric(on_triangle, u, v, w), dot(inward, minus(on_shape, on_triangle)) - half
         touch = (times(-1.0, turned(q, inward)), gap, plus(at, turned(q, on_shape)))
-        if max(shares[0], shares[1], shares[2]) < 1.0 - _CORNER and _may_close(
-            world, particles, shares, shape, touch, half, h
-        ):
+        shares = _movable(world, cloth, particles, shares, integers(world, SHAPE)[shape, BODY_ROW])
+        inside = 0.0 < max(shares[0], shares[1], shares[2]) < 1.0 - _CORNER
+        if inside and _may_close(world, particles, shares, shape, touch, half, h):
             fits = fits and note_contact(world, cloth, shape, particles, shares, touch, h)
     return fits
 
@@ -173,13 +181,33 @@ def _is_above_face(
 
 @compiled
 def _may_close(world: int, particles: Corners, shares: Vector, shape: int, touch: Touch, half: float, h: float) -> bool:
-    """Whether the gap of a point comes below `half` within h, s, at present velocities, and corners beside it can move."""
-    particle, free = floats(world, PARTICLE), 0.0
+    """Whether the gap of a point comes below `half` within h, s, at present velocities."""
+    particle = floats(world, PARTICLE)
     normal, gap, point = touch
     v = times(-1.0, velocity_at(world, shape, point, h))
     for k in range(3):
         row = particles[0] if k == 0 else particles[1] if k == 1 else particles[2]
         v = plus(v, times(shares[k], vector_at(particle, row, PARTICLE_VELOCITY)))
-        if particle[row, PARTICLE_INVERSE_MASS] > 0.0:
-            free += shares[k]
-    return free > _LEVER and gap + h * min(dot(normal, v), 0.0) < half
+    closes: bool = gap + h * min(dot(normal, v), 0.0) < half
+    return closes
+
+
+@compiled
+def _movable(world: int, cloth: int, particles: Corners, shares: Vector, body: int) -> Vector:
+    """Return the shares of the corners in a point: beside pinned ones those of these alone, zeros if they stop nothing."""
+    particle = floats(world, PARTICLE)
+    a, b, c = (
+        int(particle[particles[0], PARTICLE_INVERSE_MASS] == 0.0) * shares[0],
+        int(particle[particles[1], PARTICLE_INVERSE_MASS] == 0.0) * shares[1],
+        int(particle[particles[2], PARTICLE_INVERSE_MASS] == 0.0) * shares[2],
+    )
+    held = a + b + c
+    if held < 1.0 - _LEVER:
+        return shares
+    for k in range(3):
+        i = particles[0] if k == 0 else particles[1] if k == 1 else particles[2]
+        if particle[i, PARTICLE_INVERSE_MASS] == 0.0 and not (
+            moves_body(world, i, body) and holds_off(world, cloth, i, body)
+        ):
+            return (0.0, 0.0, 0.0)
+    return times(1.0 / held, (a, b, c))

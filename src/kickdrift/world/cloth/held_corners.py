@@ -20,6 +20,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.collision.filters import is_excluded
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, VELOCITY
 from kickdrift.world.tables import (
@@ -59,6 +60,16 @@ def is_pinned_to(world: int, cloth: int, corners: Corners, body: int) -> bool:
         if at != FREE and integers(world, PIN)[at, PINNED_BODY] == body:
             return True
     return False
+
+
+@compiled
+def holds_off(world: int, cloth: int, i: int, body: int) -> bool:
+    """Whether a pinned particle stops a body that moves: unless it is pinned to it, or to one that never touches it."""
+    at = pin_of(world, cloth, i)
+    if at == FREE:
+        return True
+    holder = integers(world, PIN)[at, PINNED_BODY]
+    return holder != body and not is_excluded(world, min(holder, body), max(holder, body))
 
 
 @compiled(inline=True)

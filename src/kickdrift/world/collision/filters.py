@@ -28,11 +28,11 @@ def may_touch(world: int, a: int, b: int) -> bool:
         return False
     if shapes[a, IS_SENSOR] != 0 and shapes[b, IS_SENSOR] != 0:
         return False
-    return rows(world, EXCLUDED) == 0 or not _excluded(world, min(i, j), max(i, j))
+    return rows(world, EXCLUDED) == 0 or not is_excluded(world, min(i, j), max(i, j))
 
 
 @compiled
-def _excluded(world: int, i: int, j: int) -> bool:
+def is_excluded(world: int, i: int, j: int) -> bool:
     """Whether a pair of bodies, the lower row first, is in the sorted table EXCLUDED."""
     pairs = integers(world, EXCLUDED)
     low, high = 0, rows(world, EXCLUDED)
