@@ -10,7 +10,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import FEW, OWN_BATCH, find_batches
 from kickdrift.world.layout import BODY_KIND, STATIC
 from kickdrift.world.step import stepping
-from kickdrift.world.tables import BATCH, BODY, CONTACT, MANIFOLD, MEMBER, MEMBERSHIP, MOTION, POSE
+from kickdrift.world.tables import BATCH, BODY, CONTACT, LOAD, MANIFOLD, MEMBER, MEMBERSHIP, MOTION, POSE
 
 STEP = 1 / 60
 
@@ -101,6 +101,36 @@ def test_a_body_lost_in_one_batch_leaves_all_where_they_were(monkeypatch):
     assert np.isfinite(world.position).all()
     assert np.isfinite(world.tables.array(MANIFOLD)[:, c.NORMAL_IMPULSE : c.TWIST_IMPULSE + 1]).all()
     np.testing.assert_array_equal(world.position[:200], before[:200])
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_a_step_in_batches_that_is_done_in_parts_has_the_bits_of_one_without(monkeypatch, seed):
+    """A box that turns fast after its impact, in the last batch, has the step divided when the others are done."""
+    worlds = []
+    for few in (10**6, 0):
+        world = stacks(monkeypatch, few)
+        world.advance(STEP, 5)
+        turn = np.random.default_rng(seed).normal(size=4)
+        world.add_box((0.1, 0.06, 0.02), mass=0.1, position=(0, 40, 0.3), orientation=turn, velocity=(0, 0, -120))
+        world.tables.row(LOAD, 2)[0] = 60.0  # on a box of the first batch
+        parts = monkeypatch_parts(monkeypatch)
+        world.advance(STEP, 3)
+        assert parts
+        worlds.append(world)
+    assert worlds[1].tables.count(BATCH) > 1
+    assert same_bits(*worlds)
+
+
+def monkeypatch_parts(monkeypatch):
+    """Return a list to which each step that is done in parts adds something."""
+    done, do_parts = [], stepping.do_parts
+
+    def counted(do_part, tables):
+        done.append(1)
+        do_parts(do_part, tables)
+
+    monkeypatch.setattr(stepping, "do_parts", counted)
+    return done
 
 
 def test_batches_are_found_the_same_uncompiled(monkeypatch):

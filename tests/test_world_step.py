@@ -29,7 +29,7 @@ def test_the_word_says_what_a_step_does():
         "begin place-shapes begin-forces find-pairs find-points divide-fast-rotation pass-on-impulses find-heaps"
         " colour prepare find-bouncing begin-paths"
         " (begin-forces kick bounce warm-start solve drift relax follow-paths)*"
-        " find-missed divide-fast-rotation measure-residual ask-again drop-paths finish store count-unsolved"
+        " find-missed divide-fast-rotation measure-residual ask-again drop-paths find-lost store finish count-unsolved"
         " note-touching"
     )
 

@@ -79,9 +79,11 @@ from kickdrift.world.tables import (
     MOTION,
     POSE,
     SETTINGS,
+    STARTED_IMPULSE,
     floats,
     integers,
     rows,
+    set_rows,
 )
 
 _SLOW = 1e-16  # square of the turn in a substep, rad^2, above which terms of second order exceed rounding
@@ -89,9 +91,9 @@ _FAST = 1.0  # likewise, above which free bodies rotate in parts
 
 
 @compiled
-def finish(t: float, h: float, world: int) -> None:
-    """Check that the poses and velocities of a batch are finite, before impulses are stored, and clear its loads."""
-    pose, motion, load = floats(world, POSE), floats(world, MOTION), floats(world, LOAD)
+def find_lost(t: float, h: float, world: int) -> None:
+    """Check that the poses and velocities of a batch are finite, before impulses are stored."""
+    pose, motion = floats(world, POSE), floats(world, MOTION)
     kind, member = integers(world, BODY), integers(world, MEMBER)
     for place in range(rows(world, MEMBER)):
         body = member[place, 0]
@@ -101,9 +103,16 @@ def finish(t: float, h: float, world: int) -> None:
         if not total < math.inf and kind[body, BODY_KIND] != REMOVED:
             report_body(world, body)
             return
-    for place in range(rows(world, MEMBER)):
+
+
+@compiled
+def finish(t: float, h: float, world: int) -> None:
+    """Clear the loads and the impulses kept for a rollback, once no batch can ask for the step to be done again."""
+    load = floats(world, LOAD)
+    for body in range(rows(world, LOAD)):
         for k in range(6):
-            load[member[place, 0], k] = 0.0
+            load[body, k] = 0.0
+    set_rows(world, STARTED_IMPULSE, 0)
 
 
 @compiled

@@ -88,6 +88,7 @@ STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the st
 STARTED_MOTION = Table(33, MOTION.width)
 STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.step.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
+STARTED_IMPULSE = Table(29, 12)  # of contacts: see `kickdrift.world.contacts.batching`
 PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
 SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_path`
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search_state`

@@ -8,9 +8,10 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross, dot
+from kickdrift.world.collision.filters import push
 from kickdrift.world.collision.missed_contacts import drop_paths
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.contacts.layout import BODY_A, BODY_B, CONTACT_STATE, POINTS, SENSOR
+from kickdrift.world.contacts.layout import BODY_A, BODY_B
 from kickdrift.world.free_rotation import turned_product
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -31,6 +32,7 @@ from kickdrift.world.tables import (
     CONTACT,
     INERTIA,
     INVERSE_MASS,
+    MEMBER,
     MOTION,
     POSE,
     SETTINGS,
@@ -58,7 +60,7 @@ def divide_fast_rotation(t: float, h: float, world: int) -> None:
     if status[0, HALVINGS] >= MOST_HALVINGS or not _any_fast(world, substep):
         return
     for row in range(rows(world, CONTACT)):
-        if contact[row, POINTS] == 0 or contact[row, CONTACT_STATE] & SENSOR != 0:
+        if not push(contact, row):
             continue
         if _is_fast(world, contact[row, BODY_A], substep) or _is_fast(world, contact[row, BODY_B], substep):
             drop_paths(t, h, world)
@@ -69,10 +71,10 @@ def divide_fast_rotation(t: float, h: float, world: int) -> None:
 
 @compiled
 def _any_fast(world: int, h: float) -> bool:
-    """Whether any body turns too far in a time h, s, about whatever axis."""
-    motion = floats(world, MOTION)
-    for row in range(rows(world, BODY)):
-        w = vector_at(motion, row, ANGULAR_VELOCITY)
+    """Whether any body of a batch turns too far in a time h, s, about whatever axis."""
+    motion, member = floats(world, MOTION), integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        w = vector_at(motion, member[place, 0], ANGULAR_VELOCITY)
         if h * h * dot(w, w) > _TURN * _TURN:
             return True
     return False

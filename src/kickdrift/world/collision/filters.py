@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.search_state import filters_changed
 from kickdrift.world.columns import column
+from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, MASK
 from kickdrift.world.tables import ASKED_APART, BODY, EXCLUDED, JOINT, SHAPE, Tables, integers, rows
@@ -29,6 +32,13 @@ def may_touch(world: int, a: int, b: int) -> bool:
     if shapes[a, IS_SENSOR] != 0 and shapes[b, IS_SENSOR] != 0:
         return False
     return rows(world, EXCLUDED) == 0 or not is_excluded(world, min(i, j), max(i, j))
+
+
+@compiled(inline=True)
+def push(contact: Any, row: int) -> bool:
+    """Whether the shapes of a contact push each other: they have points, and neither is a sensor."""
+    solid: bool = contact[row, POINTS] != 0 and contact[row, CONTACT_STATE] & SENSOR == 0
+    return solid
 
 
 @compiled

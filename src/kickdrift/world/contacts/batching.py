@@ -4,16 +4,36 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.batch import AFTER_MEMBER, FIRST_MEMBER, WEIGHT
+from kickdrift.world.collision.filters import push
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, STATIC
 from kickdrift.world.step.status import ask_for_room
-from kickdrift.world.tables import BATCH, BODY, CONTACT, MEMBER, MEMBERSHIP, integers, room, rows, set_rows
+from kickdrift.world.tables import (
+    BATCH,
+    BODY,
+    CONTACT,
+    MANIFOLD,
+    MEMBER,
+    MEMBERSHIP,
+    STARTED_IMPULSE,
+    Tables,
+    floats,
+    integers,
+    room,
+    rows,
+    set_rows,
+)
 
 # Columns of MEMBERSHIP
 OWN_BATCH = column(MEMBERSHIP)  # while islands are found: its parent in the disjoint sets
 ISLAND_WEIGHT = column(MEMBERSHIP)  # for the first body of an island: the number of its bodies and contacts
+
+# Columns of STARTED_IMPULSE: those of contacts before the step
+column(STARTED_IMPULSE, 8, "N s, N m s")  # from NORMAL_IMPULSE to TWIST_IMPULSE
+KEPT_ROLLING = column(STARTED_IMPULSE, 3, "N m s")
+KEPT_STATE = column(STARTED_IMPULSE)
 
 # Bodies and contacts, of some 900 bytes each: the data that a substep reads fit into half a megabyte.
 _MOST = 512
@@ -29,6 +49,9 @@ def find_batches(t: float, h: float, world: int) -> None:
     if rows(world, BODY) > room(world, BATCH):
         ask_for_room(world, BATCH, rows(world, BODY))
         return
+    if rows(world, CONTACT) > room(world, STARTED_IMPULSE):
+        ask_for_room(world, STARTED_IMPULSE, 2 * rows(world, CONTACT))
+        return
     contact, body, own = integers(world, CONTACT), integers(world, BODY), integers(world, MEMBERSHIP)
     free = 0
     for row in range(rows(world, BODY)):
@@ -38,7 +61,7 @@ def find_batches(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         own[row, OWN_BATCH], own[row, ISLAND_WEIGHT] = row, 0
     for row in range(rows(world, CONTACT)):
-        if contact[row, c.POINTS] == 0 or contact[row, c.CONTACT_STATE] & c.SENSOR:
+        if not push(contact, row):
             continue
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
         if body[a, BODY_KIND] > STATIC and body[b, BODY_KIND] > STATIC:
@@ -46,7 +69,7 @@ def find_batches(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         own[first_of(own, OWN_BATCH, row), ISLAND_WEIGHT] += 1
     for row in range(rows(world, CONTACT)):
-        if contact[row, c.POINTS] > 0:
+        if push(contact, row):
             a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
             own[first_of(own, OWN_BATCH, a if body[a, BODY_KIND] > STATIC else b), ISLAND_WEIGHT] += 1
     _fill(world, own)
@@ -78,3 +101,27 @@ def _fill(world: int, own: Any) -> None:
         member[batches[k, AFTER_MEMBER], 0] = row
         batches[k, AFTER_MEMBER] += 1
     set_rows(world, BATCH, last + 1)
+    _keep_impulses(world)
+
+
+@compiled
+def _keep_impulses(world: int) -> None:
+    """Keep what `store` overwrites, which it does for one batch before another one may ask for the step to be done again."""
+    kept, manifold, contact = floats(world, STARTED_IMPULSE), floats(world, MANIFOLD), integers(world, CONTACT)
+    set_rows(world, STARTED_IMPULSE, rows(world, CONTACT))
+    for row in range(rows(world, CONTACT)):
+        for k in range(8):
+            kept[row, k] = manifold[row, c.NORMAL_IMPULSE + k]
+        for k in range(3):
+            kept[row, KEPT_ROLLING + k] = manifold[row, c.ROLLING_IMPULSE + k]
+        kept[row, KEPT_STATE] = contact[row, c.CONTACT_STATE]
+
+
+def roll_back_impulses(tables: Tables) -> None:
+    """Restore the impulses and states of contacts that batches have stored in the step."""
+    kept, manifold = tables.array(STARTED_IMPULSE), tables.array(MANIFOLD)
+    count = len(kept)
+    manifold[:count, c.NORMAL_IMPULSE : c.TWIST_IMPULSE + 1] = kept[:, :KEPT_ROLLING]
+    manifold[:count, c.ROLLING_IMPULSE : c.ROLLING_IMPULSE + 3] = kept[:, KEPT_ROLLING:KEPT_STATE]
+    tables.array(CONTACT)[:count, c.CONTACT_STATE] = kept[:, KEPT_STATE]
+    tables.resize(STARTED_IMPULSE, 0)

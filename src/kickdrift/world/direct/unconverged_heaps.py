@@ -12,6 +12,7 @@ of ten cubes, each 1.5 times as large as the one below, leans so far that it fal
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
 from kickdrift.world.collision.body_acceleration import acceleration, weight_per_mass
+from kickdrift.world.collision.filters import push
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import CROWD
@@ -30,6 +31,7 @@ from kickdrift.world.layout import (
     LEFT_FOR,
     LINK_PLACE,
     UNSOLVED,
+    VELOCITY,
 )
 from kickdrift.world.settings import HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
 from kickdrift.world.sleeping import REACH
@@ -165,8 +167,7 @@ def _join_heaps(h: float, world: int) -> None:
         body[row, HEAP], body[row, HEAP_SIZE], body[row, HEAP_UNSOLVED] = row, 0, 0
     for row in range(rows(world, CONTACT)):
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-        touches = contact[row, c.POINTS] != 0 and contact[row, c.CONTACT_STATE] & c.SENSOR == 0
-        if touches and _is_free(world, a) and _is_free(world, b):
+        if push(contact, row) and _is_free(world, a) and _is_free(world, b):
             unite(body, HEAP, a, b)
     for row in range(rows(world, BODY)):
         if _is_free(world, row):
@@ -181,11 +182,13 @@ def _join_heaps(h: float, world: int) -> None:
 def ask_again(t: float, h: float, world: int) -> None:
     """Request that the step is repeated, once, if the sweeps have left a small heap far from solved."""
     body, status = integers(world, BODY), integers(world, STEP_STATUS)
+    if status[0, REPEATED] != 0 or rows(world, BATCH) > 0:
+        return  # batches are of a crowd
     any_far = False
     for row in range(rows(world, BODY)):
         any_far = any_far or _is_far_left(world, row)
-    if not any_far or status[0, REPEATED] != 0 or rows(world, BATCH) > 0 or _count_free(world) > CROWD:
-        return  # of a crowd in batches, some are done already
+    if not any_far or _count_free(world) > CROWD:
+        return
     _join_heaps(h, world)
     found = False
     for row in range(rows(world, BODY)):
@@ -233,7 +236,7 @@ def _count_left(row: int, t: float, h: float, world: int) -> None:
     body = integers(world, BODY)
     if integers(world, STEP_STATUS)[0, HALVINGS] != 0:
         return
-    v, gained = vector_at(floats(world, MOTION), row, 0), h * weight_per_mass(world, row)
+    v, gained = vector_at(floats(world, MOTION), row, VELOCITY), h * weight_per_mass(world, row)
     rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < gained * gained
     if body[row, UNSOLVED] & LEFT == 0 or not rests:
         body[row, LEFT_FOR] = max(body[row, LEFT_FOR] - 1, 0)

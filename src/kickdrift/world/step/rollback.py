@@ -8,6 +8,7 @@ from kickdrift.core.vectors import is_scaled, unit
 from kickdrift.world.cloth.motion import roll_back_cloths
 from kickdrift.world.collision.search_state import shapes_changed
 from kickdrift.world.columns import column, quaternion_at
+from kickdrift.world.contacts.batching import roll_back_impulses
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
 from kickdrift.world.contacts.residual import LEFT
 from kickdrift.world.integration import follow_pose
@@ -163,6 +164,7 @@ def roll_back(tables: Tables) -> None:
     tables.array(MOTION)[:] = tables.array(STARTED_MOTION)
     _roll_back_rotations(tables)
     tables.array(JOINT_NUMBERS)[:] = tables.array(STARTED_JOINTS)
+    roll_back_impulses(tables)
     tables.row(STEP_STATUS, 0)[WARNING] = tables.row(STEP_STATUS, 0)[STARTED_WARNING]
     roll_back_cloths(tables)
     tables.array(BODY)[:, UNSOLVED] &= LEFT - 1  # measured in this attempt

@@ -36,7 +36,7 @@ from kickdrift.world.direct.solve import measure_islands, solve_islands
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.events import note_touching
 from kickdrift.world.force_functions import begin_forces, begin_later_forces
-from kickdrift.world.integration import complete_free_kicks, drift, finish, flatten, kick
+from kickdrift.world.integration import complete_free_kicks, drift, find_lost, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.impulses import warm_start_joints
 from kickdrift.world.joints.kinematics import follow_joints, measure_joints
@@ -142,8 +142,9 @@ def word(uses: Uses) -> Word:
         measure_residual,
         ask_again,
         *when(uses.bounces or uses.is_fast, drop_paths),
-        finish,
+        find_lost,
         store,
+        finish,
         *when(direct, measure_islands),
         *when(uses.joints, note_losses),
         count_unsolved,
