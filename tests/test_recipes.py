@@ -194,7 +194,7 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.world.shapes import sphere
 from kickdrift.world.shapes.kinds import BEAD
-from kickdrift.world.shapes.record import SOLID, Kind
+from kickdrift.world.shapes.record import CENTRE, SOLID, Kind
 
 
 @compiled
@@ -227,7 +227,7 @@ class Bead:
 
 
 RECORD = Kind(
-    number=BEAD, name="bead", sort=SOLID, shape=Bead, extent=sphere.RECORD.extent, ray=sphere.RECORD.ray, is_round=True
+    number=BEAD, name="bead", sort=SOLID, shape=Bead, extent=sphere.RECORD.extent, ray=sphere.RECORD.ray, core=CENTRE
 )
 '''
 

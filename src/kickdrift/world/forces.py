@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import Function
 from kickdrift.world.arguments import vector
@@ -12,9 +12,8 @@ from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.cloth.wind_functions import WINDS
 from kickdrift.world.force_functions import Force, force_of
+from kickdrift.world.layout import LOAD_FORCE, LOAD_TORQUE, POSITION
 from kickdrift.world.tables import LOAD, POSE, Tables
-
-Floats = NDArray[np.float64]
 
 
 class AppliesForces:
@@ -49,9 +48,9 @@ class AppliesForces:
         row, f = self.bodies.moved_row(body), vector("force", force, 3)
         at = None if point is None else vector("point", point, 3)
         load = self.tables.row(LOAD, row)
-        load[:3] += f
+        load[LOAD_FORCE : LOAD_FORCE + 3] += f
         if at is not None:
-            load[3:6] += np.cross(at - self.tables.row(POSE, row)[:3], f)
+            load[LOAD_TORQUE : LOAD_TORQUE + 3] += np.cross(at - self.tables.row(POSE, row)[POSITION : POSITION + 3], f)
 
     @alone
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
@@ -68,7 +67,7 @@ class AppliesForces:
         array([0. , 0. , 0.1])
         """
         row, t = self.bodies.moved_row(body), vector("torque", torque, 3)
-        self.tables.row(LOAD, row)[3:6] += t
+        self.tables.row(LOAD, row)[LOAD_TORQUE : LOAD_TORQUE + 3] += t
 
     def add_force(self, force: Function) -> None:
         """Apply a force function of your own in every substep, compiled into the step.

@@ -97,7 +97,7 @@ BODY_INERTIA = column(INERTIA, 6, "kg m^2")  # in the body's axes: xx, yy, zz, x
 INVERSE_INERTIA = column(INERTIA, 6, "1/(kg m^2)")
 DAMPING = column(INERTIA, 1, "1/s")
 TURN_DAMPING = column(INERTIA, 1, "1/s")
-INERTIA_KIND = column(INERTIA)  # one of the three below
+INERTIA_KIND = column(INERTIA)  # TUMBLES, ISOTROPIC or PLANAR
 
 # Columns and values of BODY
 BODY_KIND = column(BODY)

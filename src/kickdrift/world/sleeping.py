@@ -1,11 +1,12 @@
 """Sleep: islands of bodies that touch, nearly touch or are joined fall asleep and wake together."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.filters import push
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints import layout as j
-from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND
+from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND, VELOCITY
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
 
@@ -65,9 +66,7 @@ def _moves(world: int, row: int) -> bool:
 @compiled(inline=True)
 def _is_near(world: int, row: int) -> bool:
     """Whether a contact has points, so that its bodies wake each other and must sleep together; sensors do not count."""
-    contact = integers(world, CONTACT)
-    near: bool = contact[row, c.POINTS] != 0 and contact[row, c.CONTACT_STATE] & c.SENSOR == 0
-    return near
+    return bool(push(integers(world, CONTACT), row))
 
 
 @compiled
@@ -167,7 +166,7 @@ def _rests(world: int, row: int) -> bool:
     speed = 0.0
     turn = 0.0
     for k in range(3):
-        speed += motion[row, k] * motion[row, k]
+        speed += motion[row, VELOCITY + k] * motion[row, VELOCITY + k]
         turn += motion[row, ANGULAR_VELOCITY + k] * motion[row, ANGULAR_VELOCITY + k]
     slowest: float = floats(world, SETTINGS)[0, SLEEP_SPEED]
     reach = rested[row, REACH]

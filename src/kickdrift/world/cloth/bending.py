@@ -17,9 +17,7 @@ are damped for that, too.
 
 from typing import Any
 
-import numpy as np
 from numba import carray
-from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
@@ -58,8 +56,6 @@ from kickdrift.world.tables import (
     floats,
     integers,
 )
-
-Floats = NDArray[np.float64]
 
 _SUMS = 9 * WIDTH
 _TURNS = 1e-12  # rad^2: total bending below which the rotation of a cloth is undetermined

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from kickdrift.world.cloth.mesh import NONE, ClothMesh
 from kickdrift.world.collision.bvh import BRANCH, TWIG
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _BUNCH = 8  # largest number of triangles of a twig; with 4, a draped sheet of 100 x 100 takes a twentieth longer

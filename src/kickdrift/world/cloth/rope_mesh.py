@@ -16,7 +16,6 @@ from kickdrift.world.cloth.mesh import NONE, ClothMesh, vertices_of
 from kickdrift.world.cloth.vibration import highest
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _SHORT = 1e-6  # ratio of a segment's length to the longest one below which it counts as zero
 

@@ -9,12 +9,12 @@ from kickdrift.world.columns import column
 from kickdrift.world.layout import BEGIN, SHAPE_KIND, SIZE
 from kickdrift.world.shapes import catalogue
 from kickdrift.world.shapes.extents import Extent
-from kickdrift.world.shapes.record import EXTENT, Kind
+from kickdrift.world.shapes.record import EXTENT, NO_CORE, Kind
 from kickdrift.world.tables import GEOMETRY, SHAPE, SHAPE_KINDS, Tables, flat, integers
 
 # Columns of SHAPE_KINDS
 SORT = column(SHAPE_KINDS)
-ROUND = column(SHAPE_KINDS)
+CORE = column(SHAPE_KINDS)
 EXTENT_AT = column(SHAPE_KINDS)  # address of its function
 
 _extent = caller(EXTENT)
@@ -28,9 +28,16 @@ def sort_of(world: int, shape: int) -> int:
 
 
 @compiled(inline=True)
+def core_of(world: int, shape: int) -> int:
+    """Return the core of a shape: `NO_CORE`, `CENTRE` or `AXIS`."""
+    core: int = integers(world, SHAPE_KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], CORE]
+    return core
+
+
+@compiled(inline=True)
 def is_round(world: int, shape: int) -> bool:
     """Whether a shape is round, so that it can roll."""
-    return bool(integers(world, SHAPE_KINDS)[integers(world, SHAPE)[shape, SHAPE_KIND], ROUND] != 0)
+    return bool(core_of(world, shape) != NO_CORE)
 
 
 @compiled(inline=True)
@@ -47,7 +54,7 @@ def describe_kinds(tables: Tables) -> None:
     """Write the properties of all kinds, without the addresses of functions."""
     rows = tables.resize(SHAPE_KINDS, len(catalogue.KINDS))
     for number, kind in catalogue.KINDS.items():
-        rows[number, [SORT, ROUND]] = kind.sort, kind.is_round
+        rows[number, [SORT, CORE]] = kind.sort, kind.core
 
 
 def extents_of(kinds: Iterable[int]) -> list[Kind]:

@@ -9,7 +9,7 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, product, turned
-from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.dispatch import core_of, sort_of
 from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, lose_points, take_over_impulses
 from kickdrift.world.columns import point_at, quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -40,8 +40,8 @@ from kickdrift.world.layout import (
     SHAPE_KIND,
     SIZE,
 )
-from kickdrift.world.shapes.kinds import CAPSULE, SPHERE, TRIANGLE
-from kickdrift.world.shapes.record import SURFACE
+from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.record import CENTRE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     COLLIDERS,
@@ -165,7 +165,6 @@ def smallest(reach_a: float, reach_b: float) -> float:
 
 @compiled(inline=True)
 def radius(world: int, shape: int) -> float:
-    """Return the radius of a ball or a capsule, m; 0.0 for other shapes."""
-    shapes = integers(world, SHAPE)
-    kind = shapes[shape, SHAPE_KIND]
-    return flat(world, GEOMETRY)[shapes[shape, BEGIN]] if kind in (SPHERE, CAPSULE) else 0.0
+    """Return the radius of a shape about its core if that is a point or a segment, m; 0.0 for other shapes."""
+    begin = integers(world, SHAPE)[shape, BEGIN]
+    return flat(world, GEOMETRY)[begin] if core_of(world, shape) == CENTRE else 0.0

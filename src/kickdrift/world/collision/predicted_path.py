@@ -1,8 +1,8 @@
 """Paths on which bodies are expected to move in a step, by which the search for contacts knows which shapes they may meet.
 
 A body is expected to move under forces and gravity from its initial velocity in the step. Where impacts within the step made it
-so fast that a contact was missed, the step is repeated (see `missed`), and the path is that of the previous attempt in two
-parts: free flight from the start and, from the time on at which an impact changed the velocity, the free flight that ends
+so fast that a contact was missed, the step is repeated (see `missed_contacts`), and the path is that of the previous attempt in
+two parts: free flight from the start and, from the time on at which an impact changed the velocity, the free flight that ends
 with the position and velocity of that attempt.
 """
 
@@ -10,7 +10,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, dot, exponential, length, minus, plus, product, times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.columns import column, quaternion_at, vector_at
-from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC
+from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.settings import STEP
 from kickdrift.world.tables import (
     BODY,
@@ -29,7 +29,7 @@ from kickdrift.world.tables import (
 
 HAS_CHANGE = column(PREDICTED)  # 1.0 while a step in which the velocity has changed is repeated
 CHANGE_TIME = column(PREDICTED, 1, "s")  # time of that change since the start of the step
-END_POSE = column(PREDICTED, 7)  # position at the end of the previous attempt
+END_POSE = column(PREDICTED, 7)  # pose at the end of the previous attempt
 END_MOTION = column(PREDICTED, 6, "m/s, rad/s")
 POSITION_ERROR = column(PREDICTED, 1, "m")  # largest distance from the path in an attempt
 TURN_ERROR = column(PREDICTED, 1, "rad")  # by how much more the body has turned than was expected
@@ -42,15 +42,15 @@ LEAST, MOST = column(SWEPT, 3, "m"), column(SWEPT, 3, "m")
 
 @compiled
 def path(world: int, body: int, when: float) -> tuple[Vector, Quaternion]:
-    """Return the position of a body on its path, a time after the start of the step."""
+    """Return the pose of a body on its path, a time after the start of the step."""
     pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
     if predicted[body, HAS_CHANGE] != 0.0 and when >= predicted[body, CHANGE_TIME]:
         back = when - floats(world, SETTINGS)[0, STEP]
         at, q = vector_at(predicted, body, END_POSE), quaternion_at(predicted, body, END_POSE + 3)
         v, w, since = vector_at(predicted, body, END_MOTION), vector_at(predicted, body, END_MOTION + 3), back
     else:
-        at, q = vector_at(pose, body, 0), quaternion_at(pose, body, 3)
-        v, w, since = vector_at(motion, body, 0), vector_at(motion, body, 3), when
+        at, q = vector_at(pose, body, POSITION), quaternion_at(pose, body, ORIENTATION)
+        v, w, since = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY), when
     at = plus(plus(at, times(since, v)), times(0.5 * since * since, acceleration(world, body)))
     return at, product(exponential(times(since, w)), q)
 
@@ -109,7 +109,7 @@ def note_path(h: float, world: int, body: int) -> bool:
     news: bool = predicted[body, HAS_CHANGE] == 0.0
     start, before = vector_at(floats(world, STARTED_POSE), body, 0), vector_at(floats(world, STARTED_MOTION), body, 0)
     gained = times(h, acceleration(world, body))
-    at, after = vector_at(pose, body, 0), vector_at(motion, body, 0)
+    at, after = vector_at(pose, body, POSITION), vector_at(motion, body, VELOCITY)
     # The velocity has changed when the flight from the start and that back from the end are nearest to each other.
     faster = minus(minus(after, gained), before)
     apart = plus(minus(minus(at, start), times(h, after)), times(0.5 * h, gained))

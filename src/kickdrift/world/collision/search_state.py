@@ -35,7 +35,7 @@ SHAPES_AT = column(SEARCH)  # where in SCRATCH the results of tree queries begin
 PARTS_AT = column(SEARCH)  # those of queries for the triangles of a mesh
 PAIRS_AT = column(SEARCH)  # the new pairs
 FOUND = column(SEARCH)  # number of new pairs
-TRIES = column(SEARCH)  # how often this step has been repeated: see `missed`
+TRIES = column(SEARCH)  # how often this step has been repeated: see `missed_contacts`
 CONTACTS = column(SEARCH)  # number of contacts at the end of the last search
 
 # Values of CHANGED besides 0

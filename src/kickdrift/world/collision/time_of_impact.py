@@ -157,7 +157,7 @@ def _spin(world: int, shape: int, body: int) -> float:
 
 @compiled
 def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, Quaternion]:
-    """Return the pose of a shape a time after the start of the step if only gravity and forces act on it."""
+    """Return the pose of a shape a time after the start of the step, on the path that its body is expected to take."""
     place = floats(world, PLACE)
     at, q = path(world, body, when)
     at = plus(at, turned(q, vector_at(place, shape, PLACE_POSITION)))

@@ -2,9 +2,10 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.batch import BATCH_COLOURS, LANES_BEFORE
+from kickdrift.world.collision.filters import push
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import OWN_BATCH
-from kickdrift.world.layout import AWAKE, BODY_KIND, LINK_PLACE, STATIC
+from kickdrift.world.layout import AWAKE, BODY_KIND, INVERSE_LINEAR_MASS, LINK_PLACE, STATIC
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BATCH,
@@ -50,11 +51,11 @@ def colour(t: float, h: float, world: int) -> None:
     for row in range(rows(world, CONTACT)):
         contact[row, c.PLACE_IN_GROUPS] = -1
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-        if contact[row, c.POINTS] == 0 or contact[row, c.CONTACT_STATE] & c.SENSOR:
+        if not push(contact, row):
             continue
         if body[a, AWAKE] == 0 and body[b, AWAKE] == 0:
             continue
-        moves_a, moves_b = inverse_mass[a, 0] > 0.0, inverse_mass[b, 0] > 0.0
+        moves_a, moves_b = inverse_mass[a, INVERSE_LINEAR_MASS] > 0.0, inverse_mass[b, INVERSE_LINEAR_MASS] > 0.0
         node_a, node_b = body[a, LINK_PLACE] > 0, body[b, LINK_PLACE] > 0
         if (node_a or node_b) and (node_a or not moves_a) and (node_b or not moves_b):
             contact[row, c.PLACE_IN_GROUPS] = LINKED

@@ -118,9 +118,9 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
-        rate = soft * own[c.SOFTNESS * W + lane]
-        soft_mass = 1.0 + soft * (own[(c.SOFTNESS + 1) * W + lane] - 1.0)
-        soft_impulse = soft * own[(c.SOFTNESS + 2) * W + lane]
+        rate = soft * own[c.BIAS_RATE * W + lane]
+        soft_mass = 1.0 + soft * (own[c.SOFT_MASS * W + lane] - 1.0)
+        soft_impulse = soft * own[c.SOFT_IMPULSE * W + lane]
         vax, vay, vaz = _vector(s, VELOCITY_A, lane)
         wax, way, waz = _vector(s, VELOCITY_A + 3, lane)
         vbx, vby, vbz = _vector(s, VELOCITY_B, lane)
@@ -169,19 +169,19 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         lever += n2 * own[_LEVER + 2 * _NEXT + lane] + n3 * own[_LEVER + 3 * _NEXT + lane]
         friction = own[c.FRICTION * W + lane]
         # Rolling resistance
-        px, py, pz = _vector(own, c.ROLL + 2, lane)
-        mass = own[(c.ROLL + 1) * W + lane]
+        px, py, pz = _vector(own, c.ROLL_IMPULSE, lane)
+        mass = own[c.ROLL_MASS * W + lane]
         qx, qy, qz = px - mass * (wbx - wax), py - mass * (wby - way), pz - mass * (wbz - waz)
-        most = own[c.ROLL * W + lane] * normal
+        most = own[c.ROLL_RESISTANCE * W + lane] * normal
         scale = min(1.0, most / math.sqrt(qx * qx + qy * qy + qz * qz + 1e-300))
         qx, qy, qz = qx * scale, qy * scale, qz * scale
-        _put(own, c.ROLL + 2, lane, qx, qy, qz)
+        _put(own, c.ROLL_IMPULSE, lane, qx, qy, qz)
         tx, ty, tz = qx - px, qy - py, qz - pz
         # Twist
-        old = own[(c.TWIST + 1) * W + lane]
+        old = own[c.TWISTING_IMPULSE * W + lane]
         spin = nx * (wbx - wax) + ny * (wby - way) + nz * (wbz - waz)
-        new = min(max(old - own[c.TWIST * W + lane] * spin, -friction * lever), friction * lever)
-        own[(c.TWIST + 1) * W + lane] = new
+        new = min(max(old - own[c.TWIST_MASS * W + lane] * spin, -friction * lever), friction * lever)
+        own[c.TWISTING_IMPULSE * W + lane] = new
         tx, ty, tz = tx + (new - old) * nx, ty + (new - old) * ny, tz + (new - old) * nz
         cx, cy, cz = _turn(s, INERTIA_A, lane, tx, ty, tz)
         wax, way, waz = wax - cx, way - cy, waz - cz
@@ -235,8 +235,8 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
         ax, ay, az = _vector(own, c.CENTRE, lane)
         bx, by, bz = _vector(own, c.BETWEEN, lane)
         bx, by, bz = ax - bx, ay - by, az - bz
-        tx, ty, tz = _vector(own, c.ROLL + 2, lane)
-        twist = own[(c.TWIST + 1) * W + lane]
+        tx, ty, tz = _vector(own, c.ROLL_IMPULSE, lane)
+        twist = own[c.TWISTING_IMPULSE * W + lane]
         tx, ty, tz = tx + twist * nx, ty + twist * ny, tz + twist * nz
         lax, lay, laz = ay * pz - az * py + tx, az * px - ax * pz + ty, ax * py - ay * px + tz
         lbx, lby, lbz = by * pz - bz * py + tx, bz * px - bx * pz + ty, bx * py - by * px + tz

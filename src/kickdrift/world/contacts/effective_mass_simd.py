@@ -66,7 +66,7 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
         more = twist * twist - 1.0
         turned_a = ax * ax + ay * ay + az * az + more * twist_a * twist_a
         turned_b = bx * bx + by * by + bz * bz + more * twist_b * twist_b
-        most, farthest = own[c.STALE * W + lane], own[(c.STALE + 1) * W + lane]
+        most, farthest = own[c.MOST_TURN * W + lane], own[c.MOST_SLIDE * W + lane]
         turned = 1.0 if max(turned_a, turned_b) > most * most else 0.0
         s[MARK * W + lane] = max(turned, 1.0 if slip * slip * slid > farthest * farthest else 0.0)
 
@@ -195,9 +195,9 @@ def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float,
         x, y, z = vector(own, c.GRIP * W + lane)
         x, y, z = k22 * scale if anew else x, k11 * scale if anew else y, -k12 * scale if anew else z
         put(own, c.GRIP * W + lane, x, y, z)
-        x, y = own[c.TWIST * W + lane], own[(c.ROLL + 1) * W + lane]
-        own[c.TWIST * W + lane] = 1.0 / (spin + 1e-300) if anew else x
-        own[(c.ROLL + 1) * W + lane] = 3.0 / (trace + 1e-300) if anew else y
+        x, y = own[c.TWIST_MASS * W + lane], own[c.ROLL_MASS * W + lane]
+        own[c.TWIST_MASS * W + lane] = 1.0 / (spin + 1e-300) if anew else x
+        own[c.ROLL_MASS * W + lane] = 3.0 / (trace + 1e-300) if anew else y
         ax, ay, az = vector(s, (DELTA_POSE_A + 3) * W + lane)
         x, y, z = vector(own, c.REFERENCE * W + lane)
         put(own, c.REFERENCE * W + lane, ax if anew else x, ay if anew else y, az if anew else z)

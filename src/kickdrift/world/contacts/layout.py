@@ -96,21 +96,27 @@ ANCHOR_SIZE = _ANCHOR.close()
 _CONSTRAINT = Fields()
 N = _CONSTRAINT.field(3)  # normal
 T = _CONSTRAINT.field(3)  # first tangent; the second is normal x first
-SOFTNESS = _CONSTRAINT.field(3)  # rate of the bias, scale of the mass, scale of the impulse
+BIAS_RATE = _CONSTRAINT.field(1, "1/s")  # of soft points
+SOFT_MASS = _CONSTRAINT.field()  # scales of their effective mass, and of the impulse that they have
+SOFT_IMPULSE = _CONSTRAINT.field()
 FRICTION = _CONSTRAINT.field()  # coefficient
 CENTRE = _CONSTRAINT.field(3, "m")  # of the contact, from body a
 BETWEEN = _CONSTRAINT.field(3, "m")  # from body a to body b: the difference of their arms
 GRIP = _CONSTRAINT.field(3, "kg")  # inverse of the 2x2 response to friction: 11, 22, 12
 SURFACE_SPEED = _CONSTRAINT.field(2, "m/s")  # surface velocity along both tangents
 TANGENT_IMPULSE = _CONSTRAINT.field(2, "N s")  # friction impulse along both tangents
-TWIST = _CONSTRAINT.field(2, "kg m^2, N m s")  # effective mass, impulse
-ROLL = _CONSTRAINT.field(5, "m, kg m^2, N m s")  # resistance, effective mass, impulse (3)
+TWIST_MASS = _CONSTRAINT.field(1, "kg m^2")
+TWISTING_IMPULSE = _CONSTRAINT.field(1, "N m s")
+ROLL_RESISTANCE = _CONSTRAINT.field(1, "m")
+ROLL_MASS = _CONSTRAINT.field(1, "kg m^2")
+ROLL_IMPULSE = _CONSTRAINT.field(3, "N m s")
 MASS_A = _CONSTRAINT.field(1, "1/kg")  # inverse masses
 MASS_B = _CONSTRAINT.field(1, "1/kg")
 REFERENCE = _CONSTRAINT.field(
     9, "rad, m"
 )  # turns of both bodies and their relative displacement when arms were computed
-STALE = _CONSTRAINT.field(2, "rad, m")  # changes of these, turns and slide, up to which arms are kept
+MOST_TURN = _CONSTRAINT.field(1, "rad")  # changes of these up to which arms are kept
+MOST_SLIDE = _CONSTRAINT.field(1, "m")
 BOUNCE_THRESHOLD = _CONSTRAINT.field(
     1, "m/s"
 )  # speed of approach above which points bounce; sweeps ignore them until then

@@ -172,11 +172,11 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         own[i], own[i + _NEXT] = raw[IMPULSE * W + lane], raw[(IMPULSE + 1) * W + lane]
         own[i + 2 * _NEXT], own[i + 3 * _NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
         own[c.SHARE * W + lane], own[c.COUNT * W + lane] = raw[SHARE * W + lane], raw[COUNT * W + lane]
-        own[c.STALE * W + lane], own[(c.STALE + 1) * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
+        own[c.MOST_TURN * W + lane], own[c.MOST_SLIDE * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
         own[c.REFRESHED * W + lane], own[c.BOUNCE_THRESHOLD * W + lane] = 0.0, 1e300
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]
         x, y, z = vector(raw, SOFTNESS * W + lane)
-        put(own, c.SOFTNESS * W + lane, x, y, z)
+        put(own, c.BIAS_RATE * W + lane, x, y, z)
         nx, ny, nz = vector(raw, NORMAL * W + lane)
         put(own, c.N * W + lane, nx, ny, nz)
         # A tangent perpendicular to the normal, and to z unless the normal is close to it.
@@ -197,6 +197,9 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
             ux * x + uy * y + uz * z,
             vx * x + vy * y + vz * z,
         )
-        own[(c.TWIST + 1) * W + lane], own[c.ROLL * W + lane] = raw[TWISTED * W + lane], raw[RESISTANCE * W + lane]
+        own[c.TWISTING_IMPULSE * W + lane], own[c.ROLL_RESISTANCE * W + lane] = (
+            raw[TWISTED * W + lane],
+            raw[RESISTANCE * W + lane],
+        )
         x, y, z = vector(raw, ROLLED * W + lane)
-        put(own, (c.ROLL + 2) * W + lane, x, y, z)
+        put(own, c.ROLL_IMPULSE * W + lane, x, y, z)

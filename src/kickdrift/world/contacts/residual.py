@@ -15,7 +15,7 @@ from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.contacts.transpose import gather_rows
-from kickdrift.world.layout import UNSOLVED
+from kickdrift.world.layout import UNSOLVED, VELOCITY
 from kickdrift.world.settings import GRAVITY, RESIDUAL
 from kickdrift.world.tables import (
     BODY,
@@ -61,7 +61,7 @@ def measure_residual(t: float, h: float, world: int) -> None:
             left = scratch[MARK * _W + lane]
             most = max(most, left)
             if left > least:
-                a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_A + _W + lane]
+                a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane]
                 noted = _NOTED * h * max(weight_per_mass(world, a), weight_per_mass(world, b))
                 if left > noted > 0.0 and _approach(world, a, b, lanes, g * _SIZE + lane) < _CALM * left:
                     for row in (a, b):
@@ -79,5 +79,5 @@ def _approach(world: int, a: int, b: int, lanes: Any, lane: int) -> float:
     """Return how fast the centres of mass of two bodies approach or part along the normal of their contact, m/s."""
     motion, along = floats(world, MOTION), 0.0
     for k in range(3):
-        along += lanes[lane + (c.N + k) * _W] * (motion[b, k] - motion[a, k])
+        along += lanes[lane + (c.N + k) * _W] * (motion[b, VELOCITY + k] - motion[a, VELOCITY + k])
     return abs(along)

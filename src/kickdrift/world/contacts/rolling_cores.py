@@ -10,10 +10,9 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, turned
-from kickdrift.world.layout import SHAPE_KIND
+from kickdrift.world.collision.dispatch import core_of
 from kickdrift.world.shapes.frustum import radial
-from kickdrift.world.shapes.kinds import CONE, CYLINDER
-from kickdrift.world.tables import SHAPE, integers
+from kickdrift.world.shapes.record import AXIS
 
 # Radius of all points, or 0.0; the axis in the world's axes, or zeros; the direction of the radius, in the shape's frame
 RollingCore = tuple[float, Vector, Vector]
@@ -33,7 +32,7 @@ def rolling_core(
 
     `tilt` is the rotation vector of its body in the coming step, rad.
     """
-    if integers(world, SHAPE)[shape, SHAPE_KIND] not in (CYLINDER, CONE):
+    if core_of(world, shape) != AXIS:
         return radius, _NONE, way
     axis = turned(turn, (0.0, 0.0, 1.0))
     if abs(way[2]) + abs(dot(normal, cross(tilt, axis))) > math.sqrt(1.0 - _STANDS**2):

@@ -69,7 +69,7 @@ def impulse_field(k: int) -> int:
         return c.P + c.POINT_FIELDS * k + c.IMPULSE
     if k < TWIST:
         return c.TANGENT_IMPULSE + k - TANGENT
-    return c.TWIST + 1 if k == TWIST else c.ROLL + 2 + k - ROLL
+    return c.TWISTING_IMPULSE if k == TWIST else c.ROLL_IMPULSE + k - ROLL
 
 
 @compiled(cached=False, fast=True)
@@ -130,7 +130,11 @@ def find_bounds(own: Any, rows: Any) -> None:
             normal += carried
             lever += carried * own[(c.P + c.POINT_FIELDS * k + c.LEVER) * _W]
     friction = own[c.FRICTION * _W]
-    rows[BOUND], rows[BOUND + 1], rows[BOUND + 2] = friction * normal, friction * lever, own[c.ROLL * _W] * normal
+    rows[BOUND], rows[BOUND + 1], rows[BOUND + 2] = (
+        friction * normal,
+        friction * lever,
+        own[c.ROLL_RESISTANCE * _W] * normal,
+    )
 
 
 @compiled(cached=False, fast=True)

@@ -125,7 +125,7 @@ def _begin_points(
         begin_row(own, numbers, k, velocity, a, b, rigid, world)
         gap = own[at + c.GAP * c.WIDTH] + along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
         if task == PRESS:
-            numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.SOFTNESS * c.WIDTH] * gap, push)
+            numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.BIAS_RATE * c.WIDTH] * gap, push)
         elif task == REST and (
             (gap > 0.0 and numbers[IMPULSE + k] == 0.0)
             or numbers[SPEED + k] < -own[c.BOUNCE_THRESHOLD * c.WIDTH]  # it will bounce in the next substep
@@ -156,7 +156,11 @@ def _begin_friction(
     """Set the right-hand sides of friction, torsion and rolling resistance, if they can act."""
     grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
     for bound in range(3):
-        reach = own[c.ROLL * c.WIDTH] if bound == 2 else own[c.FRICTION * c.WIDTH] * (lever if bound == 1 else 1.0)
+        reach = (
+            own[c.ROLL_RESISTANCE * c.WIDTH]
+            if bound == 2
+            else own[c.FRICTION * c.WIDTH] * (lever if bound == 1 else 1.0)
+        )
         # Before the drift friction keeps the impulses of the substep before.
         if task in (PRESS, BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
             for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):

@@ -3,9 +3,9 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.filters import push
 from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
 from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
-from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -251,7 +251,7 @@ def _find_touching(world: int) -> None:
     contacts, bodies, links = integers(world, CONTACT), integers(world, BODY), integers(world, LINK)
     islands, nodes = integers(world, ISLAND), integers(world, NODE)
     for row in range(rows(world, CONTACT)):
-        if contacts[row, POINTS] == 0 or contacts[row, CONTACT_STATE] & SENSOR:
+        if not push(contacts, row):
             continue
         a, b = (
             abs(bodies[contacts[row, CONTACT_A], LINK_PLACE]) - 1,

@@ -1,4 +1,4 @@
-"""The ball joint."""
+"""The ball joint: rotation about a point, whose swing and twist may be limited."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The distance joint."""
+"""The distance joint: two points stay as far apart as they are."""
 
 from __future__ import annotations
 

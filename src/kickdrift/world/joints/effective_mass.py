@@ -1,14 +1,11 @@
 """The effective mass along an axis of a joint."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, INVERSE_MASS, JOINT, JOINT_NUMBERS, Tables
-
-Floats = NDArray[np.float64]
 
 
 def effective_mass(tables: Tables, joint: int, axis: int) -> float:

@@ -1,4 +1,4 @@
-"""The fixed joint."""
+"""The fixed joint: no relative motion."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from kickdrift.world.joints.axis import Axis, Drive, Motor, check_kind, finite
 from kickdrift.world.joints.joint_positions import place, set_speed
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
 from kickdrift.world.joints.views import JointViews, look_up
-from kickdrift.world.layout import AWAKE
+from kickdrift.world.layout import AWAKE, LOAD_TORQUE
 from kickdrift.world.sleeping import TIME
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ class Joint(Handle):
             f, g, h = size * x, size * y, size * z
             u, v, w, p, q, r = load.tolist()
             if k >= 3:
-                load[3:6] = (p + f, q + g, r + h)
+                load[LOAD_TORQUE : LOAD_TORQUE + 3] = (p + f, q + g, r + h)
             else:
                 a, b, c = arm.tolist()
                 load[:] = (u + f, v + g, w + h, p + b * h - c * g, q + c * f - a * h, r + a * g - b * f)

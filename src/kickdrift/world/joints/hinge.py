@@ -1,4 +1,4 @@
-"""The hinge."""
+"""The hinge: rotation about one axis."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_rows import geared_body, put_wrenches
 from kickdrift.world.joints.kinematics import relative_velocity
-from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD
+from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (
     ARTICULATION,
     INVERSE_MASS,
@@ -82,5 +82,5 @@ def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), turn)
     for k in range(3):
-        motion[body, k] += inverse_mass[body, 0] * push[k]
+        motion[body, k] += inverse_mass[body, INVERSE_LINEAR_MASS] * push[k]
         motion[body, ANGULAR_VELOCITY + k] += turned[k]

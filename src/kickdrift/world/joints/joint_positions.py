@@ -99,9 +99,10 @@ def set_speed(joint: "Joint", k: int, speed: float) -> None:
     axis, pivot = _axis(tables, row, k)
     motion, change = tables.array(MOTION), side.sign * sign * (speed - joint.speed) * axis
     if k < 3:
-        motion[side.moved, :3] += change
+        motion[side.moved, VELOCITY : VELOCITY + 3] += change
         return
-    motion[side.moved, :3] += np.cross(change, tables.array(POSE)[side.moved, :3] - pivot)
+    arms = tables.array(POSE)[side.moved, POSITION : POSITION + 3] - pivot
+    motion[side.moved, VELOCITY : VELOCITY + 3] += np.cross(change, arms)
     motion[side.moved, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3] += change
 
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 from weakref import ReferenceType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import of_matrix, product, turned
@@ -23,14 +22,12 @@ from kickdrift.world.joints.planar import within_plane
 from kickdrift.world.joints.record import Placement, Record
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
-from kickdrift.world.layout import ORIENTATION
+from kickdrift.world.layout import ORIENTATION, POSITION
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World
-
-Floats = NDArray[np.float64]
 
 
 class Joints:
@@ -78,12 +75,12 @@ class Joints:
             (body_b, j.ANCHOR_B, j.FRAME_B, placement.anchor_b),
         ):
             back = poses[body, ORIENTATION : ORIENTATION + 4] * (1.0, -1.0, -1.0, -1.0)
-            numbers[at : at + 3] = turned(back, anchor - poses[body, :3])
+            numbers[at : at + 3] = turned(back, anchor - poses[body, POSITION : POSITION + 3])
             numbers[turn : turn + 4] = product(back, frame)
         numbers[j.LENGTH] = placement.length
         numbers[[j.BREAKING_FORCE, j.BREAKING_TORQUE]] = record.breaking_force, record.breaking_torque
-        numbers[j.ARM_A : j.ARM_A + 3] = placement.anchor_b - poses[body_a, :3]
-        numbers[j.ARM_B : j.ARM_B + 3] = placement.anchor_b - poses[body_b, :3]
+        numbers[j.ARM_A : j.ARM_A + 3] = placement.anchor_b - poses[body_a, POSITION : POSITION + 3]
+        numbers[j.ARM_B : j.ARM_B + 3] = placement.anchor_b - poses[body_b, POSITION : POSITION + 3]
         along = np.eye(3) if joint[j.LINEAR] == j.POINT else placement.frame
         numbers[j.AXES : j.AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
         if placement.line:

@@ -1,4 +1,4 @@
-"""The rope."""
+"""The rope: two points come no farther apart than its length."""
 
 from __future__ import annotations
 

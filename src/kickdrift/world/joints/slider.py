@@ -1,4 +1,4 @@
-"""The slider."""
+"""The slider: translation along one axis."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from kickdrift.world.shapes.extents import Extent, symmetric
 from kickdrift.world.shapes.kinds import CAPSULE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball, through_cylinder
-from kickdrift.world.shapes.record import GLOSSY, SOLID, Kind
+from kickdrift.world.shapes.record import CENTRE, GLOSSY, SOLID, Kind
 
 
 @compiled
@@ -113,5 +113,5 @@ class Capsule:
 
 
 RECORD = Kind(
-    number=CAPSULE, name="capsule", sort=SOLID, shape=Capsule, extent=_extent, ray=_ray, is_round=True, look=GLOSSY
+    number=CAPSULE, name="capsule", sort=SOLID, shape=Capsule, extent=_extent, ray=_ray, core=CENTRE, look=GLOSSY
 )

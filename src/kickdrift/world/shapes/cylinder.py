@@ -9,7 +9,7 @@ import numpy as np
 from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum
 from kickdrift.world.shapes.kinds import CYLINDER
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
-from kickdrift.world.shapes.record import CREASED, GLOSSY, SOLID, Kind
+from kickdrift.world.shapes.record import AXIS, CREASED, GLOSSY, SOLID, Kind
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,6 @@ RECORD = Kind(
     shape=Cylinder,
     extent=frustum_extent,
     ray=ray_frustum,
-    is_round=True,
+    core=AXIS,
     look=GLOSSY | CREASED,
 )

@@ -19,6 +19,11 @@ SURFACE = 1  # of triangles, each of which forms its own contacts
 HALF_SPACE = 2  # below the plane z = 0; without finite bounds
 TRIANGLE_OF_SURFACE = 3  # the part of a surface, not a shape of users
 
+# Cores, to which the contact points of round shapes are attached while they roll; see `kickdrift.world.contacts.rolling_cores`
+NO_CORE = 0  # points are fixed in the body
+CENTRE = 1  # a point or a segment, at a distance that is the first of the shape's numbers
+AXIS = 2  # the z axis of a solid of revolution
+
 # Appearance besides colour: bits
 PLAIN = 0
 GLOSSY = 1  # has highlights
@@ -72,8 +77,9 @@ class Kind:
         ``extent(numbers, orientation)``, compiled: axis-aligned bounds of a rotated shape, relative to its origin.
     ray : callable, optional
         ``ray(numbers, origin, direction, limit)``, compiled; see `kickdrift.world.shapes.rays`.
-    is_round : bool
-        Whether it can roll: its contact points do not turn with it, and are found again after the smallest rotation.
+    core : int
+        `CENTRE` or `AXIS` if it can roll: its contact points do not turn with it, and are found again after the smallest
+        rotation.
     look : int
         Bits, such as `GLOSSY`.
 
@@ -89,7 +95,7 @@ class Kind:
     shape: type[Any] | None = None
     extent: Function | None = None
     ray: Function | None = None
-    is_round: bool = False
+    core: int = NO_CORE
     look: int = CREASED
 
     def __post_init__(self) -> None:

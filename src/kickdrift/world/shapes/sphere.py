@@ -13,7 +13,7 @@ from kickdrift.world.shapes.extents import Extent
 from kickdrift.world.shapes.kinds import SPHERE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball
-from kickdrift.world.shapes.record import BALL, GLOSSY, SOLID, Kind
+from kickdrift.world.shapes.record import BALL, CENTRE, GLOSSY, SOLID, Kind
 
 
 @compiled
@@ -86,5 +86,5 @@ class Sphere:
 
 
 RECORD = Kind(
-    number=SPHERE, name="sphere", sort=SOLID, shape=Sphere, extent=_extent, ray=_ray, is_round=True, look=GLOSSY | BALL
+    number=SPHERE, name="sphere", sort=SOLID, shape=Sphere, extent=_extent, ray=_ray, core=CENTRE, look=GLOSSY | BALL
 )
