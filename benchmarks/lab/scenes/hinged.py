@@ -3,10 +3,10 @@
 import numpy as np
 
 from benchmarks.lab.building import GRAVITY, GROUND, Builder
-from benchmarks.lab.measures import apart, comes_to, keeps
+from benchmarks.lab.measures import apart, at_most, comes_to, keeps
 from benchmarks.lab.trial import Criterion, Trial
 from benchmarks.world.described import Scene
-from benchmarks.world.judge import Watched
+from benchmarks.world.judge import Watched, energies
 
 _UP, _ACROSS = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 _WEIGHTLESS = 0.0
@@ -122,6 +122,88 @@ def _hanging_hub() -> Trial:
     return Trial("wheel with a swinging weight, 20 rad/s", (builder.scene(),), 5.0, (keeps(0.01), apart(0.01)), 100)
 
 
+def _thrown(members: int = 300) -> Trial:
+    """Throw trees of two to eight rods and balls, of masses that differ by up to 1000, at a wall at 3 to 100 m/s."""
+    random = np.random.default_rng(3)
+    scenes = tuple(_linkage(random, falls=k % 2 == 1) for k in range(members))
+
+    criteria = (_rises_at_most(0.02),)
+    return Trial(f"{members} linkages thrown at a wall", scenes, 2 / 3, criteria, looks=40, quick=False)
+
+
+def _rises_at_most(part: float) -> Criterion:
+    """Want the energy never to rise by more than a part of the kinetic energy at the start."""
+
+    def risen(scene: Scene, watched: Watched) -> float:
+        looks = [energies(scene, watched.poses[k], watched.motions[k]) for k in range(len(watched.times))]
+        return (max(whole for _, whole in looks) - looks[0][1]) / looks[0][0]
+
+    return at_most("energy risen", "", risen, part)
+
+
+def _linkage(random: np.random.Generator, falls: bool) -> Scene:
+    surface = {"friction": random.uniform(0.0, 0.8), "restitution": random.choice([0.0, 0.0, 0.5, 1.0])}
+    builder = Builder(GRAVITY if falls else 0.0, **surface)
+    builder.box((0.2, 6.0, 6.0), position=(3.0, 0.0, 0.0), static=True)
+    if falls:
+        builder.plane(position=(0.0, 0.0, -1.2))
+    mass, bodies = 10.0 ** random.uniform(-1, 1.5), []
+    velocity = np.array([10.0 ** random.uniform(0.5, 2), *random.normal(size=2)])
+    spin = np.array([0.0, random.normal() * random.choice([0.0, 10.0]), 0.0])
+    for k in range(random.integers(2, 9)):
+        place, own = np.array([-0.5 * k, 0.0, 0.0]), mass * 10.0 ** random.uniform(-1.5, 1.5)
+        motion = {"mass": own, "velocity": velocity + np.cross(spin, place), "angular_velocity": spin}
+        long, kind = random.uniform(0.2, 0.6), random.integers(3)
+        if kind == 0:
+            bodies.append(builder.box((long, 0.1, 0.1), position=place, **motion))
+        elif kind == 1:
+            turn = (0.5**0.5, 0.0, 0.5**0.5, 0.0)
+            bodies.append(builder.capsule(0.06, long, position=place, orientation=turn, **motion))
+        else:
+            bodies.append(builder.sphere(0.1 + 0.1 * random.random(), position=place, **motion))
+        if k > 0:
+            held = k - 1 if random.random() < 0.8 else random.integers(k)
+            middle, joint = 0.5 * (place - np.array([0.5 * held, 0.0, 0.0])), random.choice(["hinge", "ball", "fixed"])
+            axis = (0.0, 1.0, 0.0) if random.random() < 0.5 else random.normal(size=3)
+            builder.join(str(joint), bodies[held], bodies[k], middle, axis)
+    return builder.scene()
+
+
+def _rows(members: int = 150) -> Trial:
+    """Strike rows of free and jointed bodies of 0.1 g to a ton, with balls of 10 mg to 10 kg between them, e = 0.2 to 1."""
+    random = np.random.default_rng(12)
+    scenes = tuple(_row(random, falls=k % 2 == 1) for k in range(members))
+    return Trial(
+        f"{members} rows of light and heavy bodies", scenes, 2 / 3, (_rises_at_most(0.01),), looks=40, quick=False
+    )
+
+
+def _row(random: np.random.Generator, falls: bool) -> Scene:
+    builder = Builder(
+        GRAVITY if falls else 0.0, friction=random.uniform(0.0, 0.6), restitution=random.choice([0.2, 0.5, 0.9, 1.0])
+    )
+    for wall in ((2.5, 0.0, 0.0), (-2.5, 0.0, 0.0)):
+        builder.box((0.2, 4.0, 4.0), position=wall, static=True)
+    builder.box((6.0, 4.0, 0.2), position=(0.0, 0.0, -1.6), static=True)
+    for k in range(random.integers(2, 6)):
+        place, speed = np.array([0.75 * k - 1.8, 0.0, 0.0]), 10.0 ** random.uniform(0, 2) * random.choice([-1.0, 1.0])
+        motion = {"mass": 10.0 ** random.uniform(-4, 3), "velocity": (speed if k < 2 else 0.0, 0.0, 0.0)}
+        kind, joint = random.integers(3), random.integers(4)
+        if kind == 0:
+            body = builder.sphere(0.3, position=place, **motion)
+        elif kind == 1:
+            body = builder.box((0.5, 0.5, 0.5), position=place, **motion)
+        else:
+            body = builder.capsule(0.15, 0.5, position=place, **motion)
+        if joint < 3:
+            named, axis = (("hinge", (0, 1, 0)), ("ball", (0, 0, 1)), ("slider", (1, 0, 0)))[joint]
+            builder.join(named, GROUND, body, place + ((0.0, 0.0, 1.2) if joint < 2 else (0.0, 0.0, 0.0)), axis)
+        if random.random() < 0.6:
+            beside = place + np.array([0.38, 0.02, 0.05]) * (1.0, *random.normal(size=2))
+            builder.sphere(0.03, position=beside, mass=10.0 ** random.uniform(-5, 1), velocity=random.normal(size=3))
+    return builder.scene()
+
+
 TRIALS = (
     *(_door(e) for e in (1.0, 0.5)),
     *(_rod(e) for e in (1.0, 0.5)),
@@ -130,4 +212,6 @@ TRIALS = (
     _rotors_drawn(),
     _hub(20.0),
     _hanging_hub(),
+    _thrown(),
+    _rows(),
 )

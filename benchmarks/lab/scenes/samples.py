@@ -10,7 +10,7 @@ from benchmarks.lab.scenes.planar import hang_planks
 from benchmarks.lab.scenes.towers import standing
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Floats, Scene
-from benchmarks.world.judge import Watched
+from benchmarks.world.judge import Watched, energies
 
 
 def _about_y(angle: float) -> Floats:
@@ -137,6 +137,32 @@ def _recovery(rows: int = 4, share: float = 0.25) -> Trial:
     return Trial("overlap recovery", (builder.scene(),), 10.0, criteria, looks=200)
 
 
+def _mixed_heaps(members: int = 48) -> Trial:
+    """Let heaps of boxes of 10 g to 300 kg settle that overlap by up to a sixth: what pushes them apart lifts them."""
+    random, scenes = np.random.default_rng(7), []
+    for _ in range(members):
+        builder, size, height = Builder(friction=random.uniform(0.05, 0.9)), 10.0 ** random.uniform(-2, 0.5), 0.0
+        builder.plane()
+        for _ in range(random.integers(3, 20)):
+            edges, turn = (
+                size * random.uniform(0.3, 1.0, 3),
+                (1.0, *0.05 * random.normal(size=3) * (random.uniform() < 0.3)),
+            )
+            place = (*size * random.uniform(-0.15, 0.15, 2), height + random.uniform(0.42, 0.5) * edges[2])
+            builder.box(edges, position=place, orientation=turn, mass=10.0 ** random.uniform(-2, 2.5))
+            height = place[2] + random.uniform(0.42, 0.5) * edges[2]
+        scenes.append(builder.scene())
+
+    def risen(scene: Scene, watched: Watched) -> float:
+        looks = range(len(watched.times))
+        whole = [energies(scene, watched.poses[k], watched.motions[k])[1] for k in looks]
+        return max(whole) / whole[0] - 1
+
+    return Trial(
+        "48 heaps of boxes that overlap", tuple(scenes), 1.0, (at_most("energy risen", "", risen, 0.25),), looks=60
+    )
+
+
 def _bridge(planks: int = 40) -> Trial:
     """Hang a bridge of planks on hinges between two points, an arc at first, and let it swing."""
     builder = Builder()
@@ -225,6 +251,7 @@ TRIALS = (
     _cantilever(),
     _confined(),
     _recovery(),
+    _mixed_heaps(),
     _bridge(),
     _far(),
     _bouncing(),
