@@ -15,6 +15,7 @@ from kickdrift.world.tables import (
     PLACE,
     PLACED,
     POSE,
+    RESTED,
     SHAPE,
 )
 
@@ -90,6 +91,13 @@ KICK = column(KICKED)  # WHOLE_KICK, before the drift; HALF_KICK before and half
 NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
 
 WHOLE_KICK, HALF_KICK, FREE_KICK = 0.0, 1.0, 2.0
+
+# Columns of RESTED
+TIME_AT_REST = column(RESTED, 1, "s")  # of a body
+ISLAND_TIME_AT_REST = column(RESTED, 1, "s")
+BOUNDING_RADIUS = column(RESTED, 1, "m")  # of its sphere about its centre of mass
+SLEPT_POSE = column(RESTED, 7)  # pose in which it sleeps
+WAKES = column(RESTED, 1)  # 1.0 in the row of an island that is about to be woken
 
 # Columns of INERTIA
 MASS = column(INERTIA, 1, "kg")

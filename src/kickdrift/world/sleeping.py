@@ -2,20 +2,25 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.filters import push
-from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints import layout as j
-from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, SLEEP_ISLAND, VELOCITY
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    AWAKE,
+    BODY_KIND,
+    BOUNDING_RADIUS,
+    DYNAMIC,
+    ISLAND_TIME_AT_REST,
+    KINEMATIC,
+    SLEEP_ISLAND,
+    SLEPT_POSE,
+    TIME_AT_REST,
+    VELOCITY,
+    WAKES,
+)
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
 from kickdrift.world.tables import BODY, CONTACT, JOINT, LOAD, MOTION, POSE, RESTED, SETTINGS, floats, integers, rows
-
-# Columns of RESTED
-TIME = column(RESTED, 1, "s")  # for which a body has been at rest
-ISLAND_TIME = column(RESTED, 1, "s")  # for which its island has
-REACH = column(RESTED, 1, "m")  # radius of its bounding sphere about the centre of mass
-SLEPT_POSE = column(RESTED, 7)  # pose in which it sleeps
-WAKES = column(RESTED, 1)  # 1.0 in the row of an island that is about to be woken
 
 
 @compiled
@@ -106,7 +111,7 @@ def wake_marked(world: int) -> None:
     for row in range(rows(world, BODY)):
         if body[row, AWAKE] == 0 and is_awake(world, row):
             body[row, AWAKE] = 1
-            rested[row, TIME] = 0.0
+            rested[row, TIME_AT_REST] = 0.0
     for row in range(rows(world, BODY)):
         rested[row, WAKES] = 0.0
 
@@ -122,7 +127,7 @@ def sleep(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         if body[row, AWAKE] != 0:
             body[row, SLEEP_ISLAND] = row
-            rested[row, TIME] = rested[row, TIME] + h if _rests(world, row) else 0.0
+            rested[row, TIME_AT_REST] = rested[row, TIME_AT_REST] + h if _rests(world, row) else 0.0
         if body[row, BODY_KIND] == KINEMATIC:
             body[row, AWAKE] = int(_moves(world, row))
             _keep_pose(world, row)
@@ -136,15 +141,14 @@ def sleep(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] != 0:
             first = first_of(body, SLEEP_ISLAND, row)
-            rested[first, ISLAND_TIME] = (
-                rested[row, TIME] if first == row else min(rested[first, ISLAND_TIME], rested[row, TIME])
-            )
+            own, so_far = rested[row, TIME_AT_REST], rested[first, ISLAND_TIME_AT_REST]
+            rested[first, ISLAND_TIME_AT_REST] = own if first == row else min(so_far, own)
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
         first = first_of(body, SLEEP_ISLAND, row)
         body[row, SLEEP_ISLAND] = first
-        if rested[first, ISLAND_TIME] >= settings[0, SLEEP_TIME]:
+        if rested[first, ISLAND_TIME_AT_REST] >= settings[0, SLEEP_TIME]:
             body[row, AWAKE] = 0
             for k in range(6):
                 motion[row, k] = 0.0
@@ -169,7 +173,7 @@ def _rests(world: int, row: int) -> bool:
         speed += motion[row, VELOCITY + k] * motion[row, VELOCITY + k]
         turn += motion[row, ANGULAR_VELOCITY + k] * motion[row, ANGULAR_VELOCITY + k]
     slowest: float = floats(world, SETTINGS)[0, SLEEP_SPEED]
-    reach = rested[row, REACH]
+    reach = rested[row, BOUNDING_RADIUS]
     rests: bool = speed + turn * reach * reach < slowest * slowest
     return rests
 

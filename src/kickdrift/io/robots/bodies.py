@@ -10,10 +10,9 @@ from kickdrift.io.robots.geoms import Layers, is_shown, placed, touches
 from kickdrift.io.robots.parsing import Model
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import Placed
-from kickdrift.world.layout import DYNAMIC, KINEMATIC, STATIC
+from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mass import Mass, summed
-from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import RESTED
 from kickdrift.world.world import World
 
@@ -123,7 +122,7 @@ def add_piece(world: World, model: Model, piece: Piece) -> Body:
     for shape, position, orientation, surface in piece.shapes:
         arm = position - piece.centre
         rested = world.tables.array(RESTED)[body.index]
-        rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + shape.reach)
+        rested[BOUNDING_RADIUS] = max(rested[BOUNDING_RADIUS], float(np.linalg.norm(arm)) + shape.reach)
         world.shape_rows.add(body.index, Placed(shape, arm, orientation, surface))
     for shape, position, orientation, surface in piece.shown:
         world.shape_rows.show(body.index, Placed(shape, position - piece.centre, orientation, surface))

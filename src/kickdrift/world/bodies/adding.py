@@ -21,10 +21,9 @@ from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.events import forget_contacts
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.layout import DYNAMIC, STATIC
+from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, STATIC
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import Shape
-from kickdrift.world.sleeping import REACH
 from kickdrift.world.tables import MOTION, RESTED, Tables
 
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -140,7 +139,7 @@ class AddsBodies:
             arm = part.position - middle
             arm.flags.writeable = False
             rested = self.tables.array(RESTED)[body.index]
-            rested[REACH] = max(rested[REACH], float(np.linalg.norm(arm)) + part.shape.reach)
+            rested[BOUNDING_RADIUS] = max(rested[BOUNDING_RADIUS], float(np.linalg.norm(arm)) + part.shape.reach)
             self.shape_rows.add(body.index, Placed(part.shape, arm, part.orientation, face))
         self.bodies.names.give(body.index, name)
         if kind != DYNAMIC:  # a dynamic one wakes the bodies that it touches

@@ -36,13 +36,13 @@ from kickdrift.world.layout import (
     POSITION,
     REMOVED,
     STATIC,
+    TIME_AT_REST,
     TUMBLES,
     TURN_DAMPING,
 )
 from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shapes.mass import Mass, checked_inertia
-from kickdrift.world.sleeping import TIME
 from kickdrift.world.tables import (
     BODY,
     COLOURED,
@@ -274,7 +274,7 @@ class Bodies:
         bodies = self.tables.array(BODY)
         sleeping = (bodies[:, BODY_KIND] >= KINEMATIC) & (bodies[:, AWAKE] == 0)
         bodies[sleeping, AWAKE] = 1
-        self.tables.array(RESTED)[:, TIME] = 0.0
+        self.tables.array(RESTED)[:, TIME_AT_REST] = 0.0
 
     def handle(self, row: int) -> Body:
         """Return the handle of a row."""

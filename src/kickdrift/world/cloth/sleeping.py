@@ -14,9 +14,9 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_BODY,
 )
 from kickdrift.world.columns import vector_at
-from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, KINEMATIC, TIME_AT_REST
 from kickdrift.world.settings import SLEEP_SPEED, SLEEP_TIME
-from kickdrift.world.sleeping import TIME, is_awake, mark_island, wake_marked
+from kickdrift.world.sleeping import is_awake, mark_island, wake_marked
 from kickdrift.world.step.status import OK, STATUS
 from kickdrift.world.tables import (
     BODY,
@@ -120,7 +120,7 @@ def _stir(world: int, body: int) -> bool:
     """Reset the time of rest of a dynamic body, and mark its island if it sleeps; return whether it does."""
     if integers(world, BODY)[body, BODY_KIND] != DYNAMIC:
         return False
-    floats(world, RESTED)[body, TIME] = 0.0
+    floats(world, RESTED)[body, TIME_AT_REST] = 0.0
     if is_awake(world, body):
         return False
     mark_island(world, body)

@@ -23,6 +23,7 @@ from kickdrift.world.joints.layout import JOINED_ROWS
 from kickdrift.world.layout import (
     AWAKE,
     BODY_KIND,
+    BOUNDING_RADIUS,
     DYNAMIC,
     HEAP,
     HEAP_SIZE,
@@ -34,7 +35,6 @@ from kickdrift.world.layout import (
     VELOCITY,
 )
 from kickdrift.world.settings import HAS_DIRECT, UNSOLVED_BODY, UNSOLVED_SINCE
-from kickdrift.world.sleeping import REACH
 from kickdrift.world.step.status import (
     BEGIN_AGAIN,
     HALVINGS,
@@ -107,7 +107,7 @@ def _falls_far(h: float, world: int, row: int) -> bool:
     """Whether gravity and forces bring a dynamic body a good part of its size in a step."""
     if integers(world, BODY)[row, BODY_KIND] != DYNAMIC:
         return False
-    gained, reach = acceleration(world, row), _FALL * floats(world, RESTED)[row, REACH]
+    gained, reach = acceleration(world, row), _FALL * floats(world, RESTED)[row, BOUNDING_RADIUS]
     falls: bool = h**4 * dot(gained, gained) > reach * reach
     return falls
 

@@ -13,8 +13,7 @@ from kickdrift.world.joints.axis import Axis, Drive, Motor, check_kind, finite
 from kickdrift.world.joints.joint_positions import place, set_speed
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
 from kickdrift.world.joints.views import JointViews, look_up
-from kickdrift.world.layout import AWAKE, LOAD_TORQUE
-from kickdrift.world.sleeping import TIME
+from kickdrift.world.layout import AWAKE, LOAD_TORQUE, TIME_AT_REST
 
 if TYPE_CHECKING:
     from kickdrift.world.joints.registry import Joints
@@ -276,7 +275,7 @@ class Joint(Handle):
         """Wake its bodies, as `wake_bodies` does, but by the views kept here, for control loops that call it in every step."""
         for end in self._current_views().ends:
             if end.load is not None:
-                end.body[AWAKE], end.rested[TIME] = 1, 0.0
+                end.body[AWAKE], end.rested[TIME_AT_REST] = 1, 0.0
 
     def _axis(self, what: str) -> int:
         """Return the one open axis; ArgumentError unless it has an angle or a position, as asked."""

@@ -21,7 +21,7 @@ from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_rows import geared_body, put_wrenches, speed_of_gear
 from kickdrift.world.joints.kinematics import axis_unit, put_cross, put_line, put_vector, relative_velocity
-from kickdrift.world.sleeping import REACH
+from kickdrift.world.layout import BOUNDING_RADIUS
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, POSE, RESTED, floats, integers
 
 # Aims of a solution
@@ -68,7 +68,7 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
             work[link, column + k] = 0.0
     joints, rested = integers(world, JOINT), floats(world, RESTED)
     size = length(vector_at(numbers, joint, j.ARM_A)) + length(vector_at(numbers, joint, j.ARM_B))
-    size += rested[joints[joint, j.BODY_A], REACH] + rested[joints[joint, j.BODY_B], REACH]
+    size += rested[joints[joint, j.BODY_A], BOUNDING_RADIUS] + rested[joints[joint, j.BODY_B], BOUNDING_RADIUS]
     off = off / (size * size) if size > 0.0 else 0.0
     return math.sqrt(turned_off + off) if mode == AHEAD else 0.0
 
@@ -90,7 +90,7 @@ def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float
         numbers[joint, j.JOINT_POSITION + k] = wrong
     size = 0.0
     for i in range(4):
-        size += floats(world, RESTED)[geared_body(joint, i, world), REACH]
+        size += floats(world, RESTED)[geared_body(joint, i, world), BOUNDING_RADIUS]
     if mode != AHEAD:
         return 0.0
     return abs(wrong) if k >= 3 else abs(wrong) / size if size > 0.0 else 0.0

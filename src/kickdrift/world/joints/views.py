@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.world.joints.joint_positions import signs
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, PRINCIPAL
-from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, STATIC
-from kickdrift.world.sleeping import TIME
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, STATIC, TIME_AT_REST
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION, RESTED, Tables
 
 Floats = NDArray[np.float64]
@@ -59,4 +58,4 @@ def wake_bodies(tables: Tables, row: int) -> None:
     """Wake the bodies of the joint of a row, and reset their times of rest."""
     for body in tables.row(JOINT, row)[[BODY_A, BODY_B]].tolist():
         if tables.row(BODY, body).item(BODY_KIND) == DYNAMIC:
-            tables.row(BODY, body)[AWAKE], tables.row(RESTED, body)[TIME] = 1, 0.0
+            tables.row(BODY, body)[AWAKE], tables.row(RESTED, body)[TIME_AT_REST] = 1, 0.0

@@ -16,6 +16,7 @@ from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     AWAKE,
     BODY_KIND,
+    BOUNDING_RADIUS,
     DYNAMIC,
     INERTIA_KIND,
     INVERSE_INERTIA,
@@ -35,7 +36,6 @@ from kickdrift.world.layout import (
     WHOLE_KICK,
 )
 from kickdrift.world.settings import RESIDUAL
-from kickdrift.world.sleeping import REACH
 from kickdrift.world.step.status import STARTED_WARNING, WARNING
 from kickdrift.world.tables import (
     BATCH,
@@ -142,7 +142,7 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
     moves = tables.array(BODY)[:, BODY_KIND] >= KINEMATIC
     lost = moves & ~(np.abs(now) < _FAR).all(axis=1)
     motion, load = tables.array(STARTED_MOTION), tables.array(LOAD)
-    inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, REACH]
+    inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, BOUNDING_RADIUS]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         per_force = np.where(inertia[:, MASS] > 0.0, 1.0 / inertia[:, MASS], 0.0)
         per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
