@@ -23,7 +23,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.planar import flatten_contact
-from kickdrift.world.contacts.rolling_cores import radius_at, rolling_core, rolls
+from kickdrift.world.contacts.shape_cores import radius_at, rolling_core, rolls
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,
@@ -36,7 +36,7 @@ from kickdrift.world.layout import (
     ROLLING,
     SURFACE_VELOCITY,
 )
-from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, PLANE_NORMAL, STEP, SUBSTEPS
+from kickdrift.world.settings import PLANE_NORMAL, STEP
 from kickdrift.world.tables import (
     CONTACT,
     INVERSE_MASS,
@@ -50,8 +50,6 @@ from kickdrift.world.tables import (
     integers,
 )
 
-# Largest frequency of the contact spring times the substep. A pyramid of twenty rows sways from 0.2 on, and stands with 0.15.
-STIFFEST = 0.15
 # Arms are recomputed if bodies turn or slide past each other faster than _STILL, in widths of their common face per second.
 # Bodies that creep keep the arms with which they came to rest, until these are wrong by more than _CREEP widths: contacts of
 # a tall stack are soft, and with arms that follow every lean it would bend like a soft rod, and fall. Contacts at edges and
@@ -185,24 +183,6 @@ def _share(rolls_a: bool, rolls_b: bool, lightness_a: float, lightness_b: float)
     if rolls_a != rolls_b:
         return 0.0 if rolls_a else 1.0
     return lightness_b / (lightness_a + lightness_b + 1e-300)
-
-
-@compiled
-def softness(world: int, fixed: bool) -> Vector:
-    """Return bias rate, 1/s, mass scale and impulse scale of a damped spring, integrated implicitly, for any masses.
-
-    Against immovable bodies it has twice the frequency, thus four times the stiffness, and half the damping ratio.
-    """
-    settings = floats(world, SETTINGS)
-    h, damping = settings[0, STEP] / settings[0, SUBSTEPS], settings[0, CONTACT_DAMPING]
-    hertz = settings[0, CONTACT_HERTZ] if settings[0, CONTACT_HERTZ] > 0.0 else STIFFEST / h
-    if fixed:
-        hertz, damping = 2.0 * hertz, 0.5 * damping
-    rate = 2.0 * math.pi * hertz
-    a1 = 2.0 * damping + h * rate
-    a2 = h * rate * a1
-    a3 = 1.0 / (1.0 + a2)
-    return rate / a1, a2 * a3, a3
 
 
 @compiled(inline=True)
