@@ -129,3 +129,7 @@ SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, an
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step
 FIELDS = _CONSTRAINT.close()
+
+# Values of the first number of REFERENCE after a search for impacts: turns so large that arms are recomputed
+HIT = 1e10  # rad
+MISSED = 2e10  # rad; what seemed to be a hit turned out to be none
