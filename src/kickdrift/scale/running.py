@@ -22,10 +22,10 @@ from kickdrift.engine.processing import kernel_alone
 from kickdrift.engine.progress import told_of_steps
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
+from kickdrift.scale.moments import Moments
 from kickdrift.scale.prepared import Cohort, Prepared
 from kickdrift.scale.results import Results
 from kickdrift.scale.turns import Numbers, numbers_in_turn, run_in_turn
-from kickdrift.scale.zeros import Zeros
 
 Floats = NDArray[np.float64]
 Task = partial[Any]
@@ -240,15 +240,18 @@ class Runs:
         if solution.status is not Outcome.COMPLETED:
             low, high = sorted((t0, float(solution.t[-1])))
             reached = (t >= low) & (t <= high)
-            results.x[i] = results.v[i] = np.nan
+        if not np.array_equal(solution.t[: int(reached.sum())], t[reached]):  # a function failed between two steps
+            reached[:] = False
+        results.x[i] = results.v[i] = np.nan
         count = int(reached.sum())
         results.x[i, reached], results.v[i, reached] = solution.x[:count], solution.v[:count]
+        results.last[i] = Moments(*((getattr(solution, name)[count:],) for name in "txv"))
         results.rows[i], results.status[i] = t.size, solution.status
-        results.messages[i] = solution.status.value if solution.success else solution.message
+        results.messages[i] = solution.message
         results.step[i], results.n_steps[i] = solution.step, solution.n_steps
         results.step_range[i], results.rejected[i] = solution.step_range, solution.n_rejected
         results.evaluations[i] = solution.n_force_evaluations
-        results.zeros[i] = Zeros(solution.t_events, solution.x_events, solution.v_events)
+        results.zeros[i] = Moments(solution.t_events, solution.x_events, solution.v_events)
         results.done[i] = solution.status is not Outcome.INTERRUPTED
 
 
