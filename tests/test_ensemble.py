@@ -20,7 +20,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError, FileFormatError, MethodMismatchError
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine import lane_letters
+from kickdrift.engine import lane_letters, lanes
 from kickdrift.engine.loop import LETTER
 from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.processing import kernel_alone
@@ -387,6 +387,55 @@ def test_members_that_fail_end_with_the_row_and_the_message_of_runs_alone(functi
         assert ends_as(sol, i, alone)
         assert alone.success or sol.t_last[i].size == (alone.t[-1] not in sol.t or "t_eval" in options)
     assert not sol.success.all()
+
+
+FAULTS = {
+    "in lanes": (lanes.Blocks, "advance", {"step": 0.1}),
+    "in turn": (running, "run_in_turn", {"step": 0.1, "method": "gauss-4"}),
+    "in turn, of steps that vary": (
+        running,
+        "run_in_turn",
+        {"step": 0.1, "step_control": "acceleration", "t_eval": [1.0]},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_are_not_taken_for_errors_of_functions(name, monkeypatch):
+    """Members would run alone, ten times as slowly, and nobody would know."""
+    of, function, options = FAULTS[name]
+    monkeypatch.setattr(of, function, lambda *arguments: np.concatenate([]))
+    with pytest.raises(ValueError, match="at least one array"):
+        kd.solve_ensemble(kd.systems.pendulum(), SPAN, np.linspace(0.1, 0.9, 9), **options)
+
+
+def test_faults_of_runs_alone_come_out(monkeypatch):
+    monkeypatch.setattr(running, "solve", lambda *arguments, **options: np.concatenate([]))
+    with pytest.raises(ValueError, match="at least one array"):
+        kd.solve_ensemble(kd.systems.pendulum(), SPAN, [0.1, 0.2], step=0.1, method="gauss-4")
+
+
+def test_a_function_that_makes_systems_fails_for_one_member():
+    def made(amplitude):
+        if amplitude == 1.5:
+            raise LookupError("no such pendulum")
+        return kd.systems.pendulum(amplitude)
+
+    sol = kd.solve_ensemble(made, SPAN, args={"amplitude": [0.5, 1.0, 1.5, 2.0]}, step=0.1)
+    assert sol.success.tolist() == [True, True, False, True]
+    assert "made raised LookupError for amplitude=1.5: no such pendulum" in sol.messages[2]
+
+
+@pytest.mark.parametrize("reach", [True, False])
+def test_members_that_do_not_reach_the_end_with_steps_that_vary_do_not_stop_others(reach, in_lanes):
+    args = np.append(0.1 if reach else 30.0, np.full(8, 30.0))[:, None]
+    options = {"step": 0.01, "step_control": kd.HairerSoderlind(lambda x: 1 + x[0] ** 4), "t_eval": [0.5, 1.3]}
+    options |= {"max_steps": 900, "method": "velocity-verlet"}
+    sol = kd.solve_ensemble(stiffening, (0.0, 1.3), np.ones((9, 1)), np.ones((9, 1)), args=args, threads=1, **options)
+    assert sol.success.tolist() == [reach] + [False] * 8
+    assert all(
+        ends_as(sol, i, kd.solve(stiffening, (0.0, 1.3), [1.0], [1.0], args=args[i], **options)) for i in range(9)
+    )
 
 
 def test_a_member_whose_function_fails_between_steps_has_the_rows_of_its_run_alone():
