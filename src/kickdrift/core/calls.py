@@ -50,7 +50,12 @@ def caller(signature: Any) -> Any:
 
 
 def raised_in_compiled_code(error: BaseException) -> bool:
-    """Whether an exception is from compiled code, to whose place in the source Numba adds a frame without globals."""
+    """Whether an exception is from compiled code: Numba adds a frame without globals for the place in the source.
+
+    Not to those of its checks of bounds, which no other code words so.
+    """
+    if isinstance(error, IndexError) and error.args == ("index is out of bounds",):
+        return True
     traceback = error.__traceback__
     while traceback is not None and traceback.tb_next is not None:
         traceback = traceback.tb_next
