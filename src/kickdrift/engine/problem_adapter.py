@@ -201,10 +201,15 @@ def bind(template: Function, **bindings: Function | int) -> Function:
     return specialise(template, template.__name__.lstrip("_"), **bindings)
 
 
+def _whole_name(function: Any) -> str:
+    """Name a function with its module: several systems have an `_acceleration`."""
+    return f"{function.py_func.__module__}.{function.__qualname__}"
+
+
 @lru_cache(maxsize=128)
 def _bound(template: Function, bindings: tuple[tuple[str, Function | int], ...]) -> Function:
     kept = all(isinstance(bound, int) or is_kept(bound) for _, bound in bindings)
-    details = [str(getattr(bound, "__qualname__", bound)) for _, bound in bindings]
+    details = [str(bound) if isinstance(bound, int) else _whole_name(bound) for _, bound in bindings]
     bound = specialise(template, specialised_name(template, *details), **dict(bindings))
     native: Any = compiled(cached=kept, users=True, through=call_flat)(bound)
     native.compile(FLAT)
