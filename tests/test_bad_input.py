@@ -100,6 +100,26 @@ def test_bad_arguments(change, says):
         kd.solve(spring, **{**GOOD, **change})
 
 
+@pytest.mark.parametrize("held", [True, np.True_, [2.0, True], [[2.0], (np.False_,)], np.array([True, False])])
+def test_truth_values_are_no_numbers(held):
+    def given(**change):
+        return lambda: kd.solve(spring, **{**GOOD, **change})
+
+    bodies, still = np.eye(3)[:2], np.zeros((2, 3))
+    for refuses in (
+        given(x0=held, v0=held),
+        given(args=held),
+        given(t_eval=held),
+        lambda: kd.solve(kd.Newtonian(spring, mass=held), **{**GOOD, "x0": [[1.0], [0.0]], "v0": [[0.0], [0.0]]}),
+        lambda: kd.systems.nbody(held, bodies, still),
+        lambda: kd.systems.planetary([1.0, 0.1], bodies, still, radii=held),
+        lambda: kd.spline([0.0, 1.0, 2.0], held),
+        lambda: kd.solve_ensemble(spring, (0.0, 1.0), held, 0.0, step=0.1),
+    ):
+        with pytest.raises(ArgumentError, match="True or False"):
+            refuses()
+
+
 def test_a_stride_that_no_64_bits_hold_keeps_the_ends():
     assert kd.solve(spring, **{**GOOD, "save_every": 2**63}).t.tolist() == list(GOOD["t_span"])
 

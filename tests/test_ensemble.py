@@ -20,7 +20,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError, FileFormatError, MethodMismatchError
 from kickdrift.core.outcomes import Outcome
-from kickdrift.engine import lane_letters
+from kickdrift.engine import lane_letters, lanes
 from kickdrift.engine.loop import LETTER
 from kickdrift.engine.problem_adapter import describe
 from kickdrift.engine.processing import kernel_alone
@@ -360,6 +360,96 @@ def test_a_member_that_fails_is_marked_and_the_others_finish():
     assert np.array_equal(sol[1].t, alone.t)
 
 
+def stiffening(t, x, params):
+    return params[0] * x**3
+
+
+def raising(t, x, params):
+    if x[0] > 100.0 + params[0]:
+        raise ValueError("far away")
+    return x**3
+
+
+@pytest.mark.parametrize("function", [stiffening, raising])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"save_every": 7},
+        {"t_eval": [0.9, 0.333, 0.9]},
+        {"step_control": "acceleration", "t_eval": [0.9, 0.333], "max_steps": 900},
+    ],
+)
+def test_members_that_fail_end_with_the_row_and_the_message_of_runs_alone(function, options):
+    args, options = np.linspace(0.5, 30.0, 9)[:, None], {"step": 0.01, "method": "velocity-verlet", **options}
+    sol = kd.solve_ensemble(function, (0.0, 2.0), np.ones((9, 1)), np.ones((9, 1)), args=args, **options)
+    for i in range(9):
+        alone = kd.solve(function, (0.0, 2.0), [1.0], [1.0], args=args[i], **options)
+        assert ends_as(sol, i, alone)
+        assert alone.success or sol.t_last[i].size == (alone.t[-1] not in sol.t or "t_eval" in options)
+    assert not sol.success.all()
+
+
+FAULTS = {
+    "in lanes": (lanes.Blocks, "advance", {"step": 0.1}),
+    "in turn": (running, "run_in_turn", {"step": 0.1, "method": "gauss-4"}),
+    "in turn, of steps that vary": (
+        running,
+        "run_in_turn",
+        {"step": 0.1, "step_control": "acceleration", "t_eval": [1.0]},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_are_not_taken_for_errors_of_functions(name, monkeypatch):
+    """Members would run alone, ten times as slowly, and nobody would know."""
+    of, function, options = FAULTS[name]
+    monkeypatch.setattr(of, function, lambda *arguments: np.concatenate([]))
+    with pytest.raises(ValueError, match="at least one array"):
+        kd.solve_ensemble(kd.systems.pendulum(), SPAN, np.linspace(0.1, 0.9, 9), **options)
+
+
+def test_faults_of_runs_alone_come_out(monkeypatch):
+    monkeypatch.setattr(running, "solve", lambda *arguments, **options: np.concatenate([]))
+    with pytest.raises(ValueError, match="at least one array"):
+        kd.solve_ensemble(kd.systems.pendulum(), SPAN, [0.1, 0.2], step=0.1, method="gauss-4")
+
+
+def test_a_function_that_makes_systems_fails_for_one_member():
+    def made(amplitude):
+        if amplitude == 1.5:
+            raise LookupError("no such pendulum")
+        return kd.systems.pendulum(amplitude)
+
+    sol = kd.solve_ensemble(made, SPAN, args={"amplitude": [0.5, 1.0, 1.5, 2.0]}, step=0.1)
+    assert sol.success.tolist() == [True, True, False, True]
+    assert "made raised LookupError for amplitude=1.5: no such pendulum" in sol.messages[2]
+
+
+@pytest.mark.parametrize("reach", [True, False])
+def test_members_that_do_not_reach_the_end_with_steps_that_vary_do_not_stop_others(reach, in_lanes):
+    args = np.append(0.1 if reach else 30.0, np.full(8, 30.0))[:, None]
+    options = {"step": 0.01, "step_control": kd.HairerSoderlind(lambda x: 1 + x[0] ** 4), "t_eval": [0.5, 1.3]}
+    options |= {"max_steps": 900, "method": "velocity-verlet"}
+    sol = kd.solve_ensemble(stiffening, (0.0, 1.3), np.ones((9, 1)), np.ones((9, 1)), args=args, threads=1, **options)
+    assert sol.success.tolist() == [reach] + [False] * 8
+    assert all(
+        ends_as(sol, i, kd.solve(stiffening, (0.0, 1.3), [1.0], [1.0], args=args[i], **options)) for i in range(9)
+    )
+
+
+def test_a_member_whose_function_fails_between_steps_has_the_rows_of_its_run_alone():
+    def force(t, x, params):
+        if abs(t - params[0]) < 1e-9:
+            raise ValueError("no force")
+        return -x
+
+    options = {"step": 0.1, "method": "velocity-verlet", "t_eval": [0.05, 0.55], "compile": False}
+    sol = kd.solve_ensemble(force, (0.0, 1.0), [[1.0]] * 3, [[0.0]] * 3, args=[[9.0], [0.55], [9.0]], **options)
+    for i, own in enumerate([9.0, 0.55, 9.0]):
+        assert ends_as(sol, i, kd.solve(force, (0.0, 1.0), [1.0], [0.0], args=[own], **options))
+
+
 @pytest.mark.parametrize("in_lanes", [True, False])
 def test_a_member_that_goes_to_infinity_ends_after_max_steps_and_the_others_finish(in_lanes, monkeypatch):
     """x'' = p x^3 from rest at 1 does so at 1.85 / sqrt(p / 2), in ever more steps of the density 1 + x^4."""
@@ -583,12 +673,19 @@ def test_members_begin_on_sides_of_their_own():
         kd.solve_ensemble(rubbed, (0.0, np.pi), [2.5, -2.5], 0.0, step=0.05, switches=moving)
 
 
-def is_member_with_events(sol, i, alone, rows=True):
+def ends_as(sol, i, alone):
+    """Whether a member is the solution of a run of it alone, up to the end."""
+    assert (sol.status[i], sol.messages[i]) == (alone.status, alone.message)
+    for name in ("t", "x", "v"):
+        assert getattr(sol[i], name).tobytes() == getattr(alone, name).tobytes()
+    for name, values in alone.invariants.items():
+        assert sol[i].invariants[name].tobytes() == values.tobytes()
+    return True
+
+
+def is_member_with_events(sol, i, alone):
     """Whether a member has the bits of a run of it alone, and its zeros."""
-    reached = (sol.t <= alone.t[-1]) | (alone.status is Outcome.COMPLETED)
-    assert not rows or sol.x[i, reached].tobytes() == alone.x[: reached.sum()].tobytes()
-    assert not rows or np.isnan(sol.x[i, ~reached]).all()
-    assert (sol.status[i], sol.messages[i]) == (alone.status, alone.status.value if alone.success else alone.message)
+    assert ends_as(sol, i, alone)
     assert (sol.n_steps[i], sol.n_force_evaluations[i]) == (alone.n_steps, alone.n_force_evaluations)
     for name in ("t_events", "x_events", "v_events"):
         for own, others in zip(getattr(sol, name)[i], getattr(alone, name), strict=True):
@@ -603,6 +700,10 @@ def spring_alone(x, params):
 
 def thrown(x, params):
     return np.array([0.0, -params[0]])
+
+
+def height(x, v, params):
+    return 0.5 * (v[0] ** 2 + v[1] ** 2) + params[0] * x[1]
 
 
 def ground(x):
@@ -650,11 +751,8 @@ def test_members_with_events_run_in_turn_with_the_bits_of_runs_alone(method, spa
     assert len(set(sol.n_steps)) > 5
     for i in range(20):
         alone = kd.solve(spring_alone, span, x[i], v[i], args=rates[i], **options)
-        reached = ~np.isnan(sol.x[i, :, 0])
-        assert reached.sum() == alone.t.size - (alone.status is Outcome.STOPPED)
-        for name in ("x", "v"):
-            assert getattr(sol, name)[i, reached].tobytes() == getattr(alone, name)[: reached.sum()].tobytes()
-        assert is_member_with_events(sol, i, alone, rows=False)
+        assert (~np.isnan(sol.x[i, :, 0])).sum() == alone.t.size - (alone.status is Outcome.STOPPED)
+        assert is_member_with_events(sol, i, alone)
 
 
 @pytest.mark.parametrize("direction", [0, -1])
@@ -692,18 +790,24 @@ def test_times_between_steps_are_kept_in_turn(in_lanes):
 
 
 def test_events_of_members_are_kept_on_disk(tmp_path):
-    options = {"args": [9.81], "step": 0.1, "method": "velocity-verlet", "events": [ground, turn]}
-    sol = kd.solve_ensemble(thrown, SPAN, *THROWS, **options)
+    options = {
+        "args": np.linspace(5, 9, 9)[:, None],
+        "step": 0.1,
+        "method": "velocity-verlet",
+        "events": [ground, turn],
+    }
+    problem = kd.SecondOrder(thrown, energy=height)
+    sol = kd.solve_ensemble(problem, SPAN, *THROWS, **options)
     kept = {"checkpoint": tmp_path / "kept"}, {"checkpoint": tmp_path / "kept"}
     stored = {"save_to": tmp_path / "run.zarr"}, {"save_to": tmp_path / "run.zarr"}
-    others = [kd.solve_ensemble(thrown, SPAN, *THROWS, **options, **where) for where in kept + stored]
+    others = [kd.solve_ensemble(problem, SPAN, *THROWS, **options, **where) for where in kept + stored]
     for other in (*others, kd.load(sol.save(tmp_path / "throws")), kd.load(tmp_path / "run.zarr")):
         for name in ("t_events", "x_events", "v_events"):
             for own, whole in zip(getattr(other, name), getattr(sol, name), strict=True):
                 assert [(a.shape, a.tobytes()) for a in own] == [(a.shape, a.tobytes()) for a in whole]
-        assert other.status == sol.status
+        assert all(ends_as(other, i, sol[i]) for i in range(9))
     with pytest.raises(ArgumentError, match="another events"):
-        kd.solve_ensemble(thrown, SPAN, *THROWS, **options | {"events": turn, "checkpoint": tmp_path / "kept"})
+        kd.solve_ensemble(problem, SPAN, *THROWS, **options | {"events": turn, "checkpoint": tmp_path / "kept"})
 
 
 def test_events_of_members_that_cannot_be_are_refused_before_the_run():

@@ -149,7 +149,7 @@ def test_workers_write_each_chunk_once_and_the_parent_none(method, tmp_path, mon
     assert set(counts.values()) == {1}
     labels = {"time/c/0", "space/c/0"}
     assert counting_writes.chunks_there(tmp_path / "run.zarr") - labels == set(counts)
-    assert len(counts) == 15 * 10  # x, v, two invariants, six facts of members: no step was rejected
+    assert len(counts) == 15 * 11  # x, v, two invariants, seven facts of members: no step was rejected
     same(stored, solve())
 
 

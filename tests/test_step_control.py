@@ -11,6 +11,8 @@ import pytest
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
+from kickdrift.engine.densities import by_acceleration
+from kickdrift.engine.quantities import evaluate_quantity
 
 PERIOD = 2 * np.pi
 REVERSIBLE = (
@@ -124,6 +126,15 @@ def test_order_of_steps_by_a_density(method, density):
         sol = kd.solve(system, span, step=step, method=method, step_control=density)
         errors.append(np.abs(sol.x - system.exact(sol.t)[0]).max())
     assert abs(np.log2(errors[0] / errors[1]) - order) < 0.1
+
+
+def test_the_density_by_acceleration_is_that_of_each_system():
+    """Code on disk was found by the name of the acceleration, `_acceleration` in several files."""
+    for system in (kd.systems.kepler(0.5), kd.systems.harmonic_oscillator(3.0), kd.systems.pendulum(1.0)):
+        density, x, v, out = by_acceleration(system), system.x0[None], system.v0[None], np.zeros(system.x0.size)
+        system.acceleration(0.0, system.x0.reshape(-1), system.v0.reshape(-1), system.params, out)
+        value = evaluate_quantity(density, system, np.zeros(1), x, v)
+        assert value == pytest.approx(np.sqrt(np.linalg.norm(out)), rel=1e-14)
 
 
 @pytest.mark.parametrize("control", REVERSIBLE[2:], ids=_ids)

@@ -1,6 +1,7 @@
 """Equations of motion from formulas are those that people write by hand."""
 
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -133,11 +134,31 @@ def test_users_may_call_things_what_the_code_calls_others():
         (lambda: kd.from_lagrangian(DA**2 / 2 + A * B, (A, B), (DA, DB)), "not positive definite"),
         (lambda: kd.from_lagrangian((DA + DB) ** 2, (A, B), (DA, DB)), "not positive definite"),
         (lambda: kd.from_lagrangian(DA * DB - A * B, (A, B), (DA, DB)), "not positive"),
+        (lambda: kd.from_lagrangian(-(DA**2) / 2, A, DA), "some masses are negative"),
+        (lambda: kd.from_lagrangian(DA**2 - DB**2 - A * B, (A, B), (DA, DB)), "some masses are negative"),
+        (lambda: kd.from_lagrangian(DA**2 + DB**2 + 3 * DA * DB, (A, B), (DA, DB)), "some masses are negative"),
+        (lambda: kd.from_lagrangian(G * DA**2 - A, A, DA, constants={G: -2.0}), "some masses are negative"),
+        (lambda: kd.from_lagrangian(-(1 + A**2) * DA**2, A, DA), "some masses are negative"),
     ],
 )
 def test_formulas_that_cannot_be(make, text):
     with pytest.raises(ArgumentError, match=text):
         make()
+
+
+@pytest.mark.parametrize("a", [0.5, -0.5, 0.0, 0.25])
+def test_starts_where_masses_are_not_positive_are_refused(a):
+    one = kd.from_lagrangian((A - G) * DA**2 / 2, A, DA, constants={G: 0.25})
+    two = kd.from_lagrangian((A - G) * (DA**2 + DB**2) + DA * DB * T / 4, (A, B), (DA, DB), t=T, constants={G: 0.25})
+    for problem, x0, least in ((one, a, a - 0.25), (two, [a, 2.0], 2 * a - 0.5)):
+        run = partial(kd.solve, problem, (0.0, 0.1), x0, np.zeros_like(x0), step=0.1, method="gauss-4", **OPTIONS)
+        if a > 0.25:
+            assert run().success
+            continue
+        with pytest.raises(
+            ArgumentError, match=rf"not positive definite at x0=.* least eigenvalue .* is {least:.3g} there"
+        ):
+            run()
 
 
 @pytest.mark.parametrize("start", [[1.0, 2.0, 3.0], [[1.0, 2.0]], 1.0])

@@ -37,12 +37,27 @@ def reals(value: Any) -> Floats:
         given = np.asarray(value)
         if given.dtype.kind == "O" and any(member is None for member in given.flat):
             raise TypeError("it holds None")  # which NumPy converts to NaN
+        if given.dtype.kind == "b" or _holds_booleans(value):
+            raise TypeError("it holds True or False, which are no numbers")  # NumPy converts them to 1 and 0
         if given.dtype.kind not in _NO_NUMBERS:
             return np.array(given, dtype=np.float64, order="C")
         why = "it is complex" if given.dtype.kind == "c" else f"it holds {given.dtype.name}"
     except Exception as error:  # conversion of arbitrary objects may raise anything
         why = str(error)
     raise TypeError(why)
+
+
+def _holds_booleans(value: Any) -> bool:
+    """Whether lists, however nested, or an array hold True or False."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind == "b" or (value.dtype.kind == "O" and _holds_booleans(value.ravel().tolist()))
+    if not isinstance(value, list | tuple):
+        return isinstance(value, bool | np.bool_)
+    kinds = set(map(type, value))
+    if kinds & {bool, np.bool_}:
+        return True
+    nested = any(issubclass(kind, list | tuple | np.ndarray) for kind in kinds)
+    return nested and any(map(_holds_booleans, value))
 
 
 def real(value: Any) -> float:

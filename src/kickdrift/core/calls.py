@@ -49,6 +49,19 @@ def caller(signature: Any) -> Any:
     return call
 
 
+def raised_in_compiled_code(error: BaseException) -> bool:
+    """Whether an exception is from compiled code: Numba adds a frame without globals for the place in the source.
+
+    Not to those of its checks of bounds, which no other code words so.
+    """
+    if isinstance(error, IndexError) and error.args == ("index is out of bounds",):
+        return True
+    traceback = error.__traceback__
+    while traceback is not None and traceback.tb_next is not None:
+        traceback = traceback.tb_next
+    return traceback is not None and not traceback.tb_frame.f_globals
+
+
 def call_interpreted(function: Function, arguments: tuple[Any, ...]) -> None:
     """Call a Python function, as `caller` does a compiled one."""
     function(*arguments)

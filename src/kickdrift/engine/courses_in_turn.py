@@ -141,16 +141,24 @@ def run_courses(
         kept = ts[m, :filled], xs[m, :filled], vs[m, :filled], sizes[m, :filled]
         outputs.append(DenseOutput.of_rows(grid, States(x[m], v[m]), kept, grid.t1, between))
     numbers_between = np.concatenate((params, of_control), axis=1)[members]
-    states = _at_wanted(grid, outputs, members, evaluations, numbers_between)
+    states = _at_wanted(grid, outputs, members, evaluations, numbers_between, (x, v))
     steps = marks[:, ACCEPTED]
     return Courses(*states, good, steps, marks[:, TRIALS] - steps, evaluations, facts[:, _SMALLEST : _LARGEST + 1])
 
 
 def _at_wanted(
-    grid: Course, outputs: list[DenseOutput], members: NDArray[np.intp], evaluations: Integers, params: Floats
+    grid: Course,
+    outputs: list[DenseOutput],
+    members: NDArray[np.intp],
+    evaluations: Integers,
+    params: Floats,
+    starts: tuple[Floats, Floats],
 ) -> tuple[Floats, Floats]:
     """Return the states of the members that reached the end at the times wanted, as `kickdrift.engine.report` does."""
     assert grid.wanted is not None
+    xs, vs = (np.empty((len(outputs), grid.wanted.size, *own.shape[1:])) for own in starts)
+    if not outputs:
+        return xs, vs
     end = np.array([grid.t1])
     short = [k for k, output in enumerate(outputs) if output.t[-1] != grid.t1]
     if short:  # whose last step leads beyond the end: a part of it to there
@@ -160,5 +168,7 @@ def _at_wanted(
             evaluations[members[k]] += own
     low, high = sorted((grid.t0, grid.t1))
     found = states_of(outputs, [np.clip(grid.wanted, low, high)] * len(outputs), params)
-    evaluations[members] += [own for *_, own in found]
-    return np.array([x for x, *_ in found]), np.array([v for _, v, _ in found])
+    for k, (x, v, own) in enumerate(found):
+        xs[k], vs[k] = x, v
+        evaluations[members[k]] += own
+    return xs, vs

@@ -154,15 +154,16 @@ def run_in_turn(
         xs[:, 0], vs[:, 0] = x, v  # exactly: transformed there and back it would differ by rounding
     once = members.primed + processing.evaluations(rows)
     evaluations = grid.n_steps * processing.kernel.program.evaluations + once + members.counted
-    if grid.wanted is not None and good.any():
+    if grid.wanted is not None:
         steps = np.full(rows, grid.step)
         outputs = [
             DenseOutput.of_rows(grid, States(x[m], v[m]), (grid.times, xs[m], vs[m], steps), grid.t1, between)
             for m in np.flatnonzero(good)
         ]
         xs, vs = (np.full((count, grid.wanted.size, *own.shape[2:]), np.nan) for own in (xs, vs))
-        xs[good], vs[good], between_rows = states_wanted(grid, outputs, params[good])
-        evaluations[good] += between_rows
+        if outputs:
+            xs[good], vs[good], between_rows = states_wanted(grid, outputs, params[good])
+            evaluations[good] += between_rows
     return Turns(xs, vs, evaluations, good)
 
 

@@ -20,7 +20,7 @@ from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.start import Start
 from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, interpreted
 from kickdrift.engine.user_kicks import LARGE, kick_of
-from kickdrift.systems.problem import OF_SHAPE, Adapted, Problem, name_of
+from kickdrift.systems.problem import AT_START, OF_SHAPE, Adapted, Problem, name_of
 from kickdrift.systems.second_order import SecondOrder
 from kickdrift.systems.system import Quantity, System
 
@@ -59,6 +59,8 @@ class Adapter:
         own = getattr(function, OF_SHAPE, self.x0.shape)
         if own != self.x0.shape:
             raise ArgumentError(f"x0 has shape {self.x0.shape}, but the formulas need shape {own}; give that.")
+        if (refuse := getattr(function, AT_START, None)) is not None:
+            refuse(self.t0, self.x0, self.v0)
         result = self.x0.shape if shape is None else shape
         layout = Layout(self.x0.shape, result, self.users_args.size, self.args.size)
         flat = flatten(function, given, layout, self.compile_, self.check_bounds)
@@ -199,10 +201,15 @@ def bind(template: Function, **bindings: Function | int) -> Function:
     return specialise(template, template.__name__.lstrip("_"), **bindings)
 
 
+def _whole_name(function: Any) -> str:
+    """Name a function with its module: several systems have an `_acceleration`."""
+    return f"{function.py_func.__module__}.{function.__qualname__}"
+
+
 @lru_cache(maxsize=128)
 def _bound(template: Function, bindings: tuple[tuple[str, Function | int], ...]) -> Function:
     kept = all(isinstance(bound, int) or is_kept(bound) for _, bound in bindings)
-    details = [str(getattr(bound, "__qualname__", bound)) for _, bound in bindings]
+    details = [str(bound) if isinstance(bound, int) else _whole_name(bound) for _, bound in bindings]
     bound = specialise(template, specialised_name(template, *details), **dict(bindings))
     native: Any = compiled(cached=kept, users=True, through=call_flat)(bound)
     native.compile(FLAT)

@@ -212,8 +212,7 @@ class Run:
         self._checkpoint, self._stop = Checkpoint(self._state.copy(), first + found.steps, mark), found.stop
         if found.stop is None:
             return Outcome.FAILED, found.failure
-        what = "changes its sign in an impact" if found.jumps else "is zero"
-        return Outcome.STOPPED, f" There, {self._watch.events[found.stop.event].name}, {what}."
+        return Outcome.STOPPED, is_zero(self._watch.events[found.stop.event].name, found.jumps)
 
     def _find_last_good(self, bad: int) -> Failure | None:
         """Find the last good state by bisection: states stay not finite once they are, and every rerun gives the same bits."""
@@ -237,7 +236,7 @@ class Run:
         saved = self.rows.keep_last(good.state, good.step, good.mark, self._stop is not None)
         if outcome is not Outcome.COMPLETED:
             t = self.rows.time(good.step) if self._stop is None else self._stop.t
-            message += f" It ends at t={t!r}, after {self.rows.steps_of(good.step)}.{cause}"
+            message = ended_early(outcome, t, self.rows.steps_of(good.step), cause)
         if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == NO_STEP[FAILED_CONTROL]:
             message += " Try a smaller step."
         evaluations = good.mark.trials * program.evaluations
@@ -256,6 +255,16 @@ class Run:
             self.rows.step_range(self._state),
             good.mark.trials + int(work[TAKEN_BACK]),
         )
+
+
+def ended_early(outcome: Outcome, t: float, steps: str, cause: str = "") -> str:
+    """Tell how a run ended before the end of its span."""
+    return f"{outcome.value} It ends at t={t!r}, after {steps}.{cause}"
+
+
+def is_zero(event: str, jumps: bool = False) -> str:
+    """Tell which event ended a run."""
+    return f" There, {event}, {'changes its sign in an impact' if jumps else 'is zero'}."
 
 
 def _raised(error: Exception) -> Failure:

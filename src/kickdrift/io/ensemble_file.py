@@ -1,5 +1,6 @@
 """Solutions of ensembles on disk."""
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,10 @@ from kickdrift.core import archive
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.invariants import Invariants
 from kickdrift.io.solution_file import INVARIANT, description
-from kickdrift.scale.ensemble_solution import EVENTS, EnsembleSolution
-from kickdrift.scale.zeros import Zeros, flattened, separated
+from kickdrift.scale.ensemble_solution import EVENTS, LAST, EnsembleSolution
+from kickdrift.scale.moments import Moments, flattened, separated
 
-_PARAMETER = "parameter: "
+_PARAMETER, _LAST = "parameter: ", "last invariant: "
 _OF_MEMBERS = ("step", "step_range", "n_steps", "n_rejected", "n_force_evaluations")
 
 
@@ -49,7 +50,9 @@ def contents(solution: EnsembleSolution) -> tuple[dict[str, Any], dict[str, NDAr
     arrays: dict[str, NDArray[Any]] = {"t": solution.t}
     arrays["outcome"] = np.array([places[outcome] for outcome in zip(solution.status, solution.messages, strict=True)])
     arrays |= {name: getattr(solution, name) for name in _OF_MEMBERS}
-    arrays |= flattened([Zeros(*zeros) for zeros in zip(*(getattr(solution, name) for name in EVENTS), strict=True)])
+    arrays |= flattened([Moments(*own) for own in _by_member(solution, EVENTS)], "events")
+    arrays |= flattened([Moments(*((one,) for one in own)) for own in _by_member(solution, LAST)], "last")
+    arrays |= {_LAST + name: np.concatenate(values) for name, values in solution.last_invariants.items()}
     return header, arrays | {_PARAMETER + name: values for name, values in solution.parameters.items()}
 
 
@@ -89,6 +92,7 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:
         wall_time=float(head["wall_time"]),
         about=description(head["about"]),
         **_events(arrays, rows[0], x.shape[2:], v.shape[2:]),
+        **_last(arrays, rows[0], x.shape[2:], v.shape[2:]),
         parameters=labels,
     )
 
@@ -99,8 +103,33 @@ def _events(
     """Return the zeros of events in a file; earlier files have none."""
     if "n_events" not in arrays:
         return {}
-    zeros = separated(arrays, members)
-    for own in zeros:
-        if any(x.shape[1:] != shape or v.shape[1:] != shape_of_v for x, v in zip(own.x, own.v, strict=True)):
-            raise ValueError("the zeros of events have other shapes than the states")
+    zeros = _separated(arrays, members, "events", shape, shape_of_v)
     return {name: tuple(own[k] for own in zeros) for k, name in enumerate(EVENTS)}
+
+
+def _last(arrays: dict[str, Any], members: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]) -> dict[str, Any]:
+    """Return the early ends in a file."""
+    ends = _separated(arrays, members, "last", shape, shape_of_v)
+    if any(len(arrays_of_one) != 1 for own in ends for arrays_of_one in own):
+        raise ValueError("the early ends of members are missing")
+    sizes = [own.t[0].size for own in ends]
+    flat = {name.removeprefix(_LAST): a for name, a in arrays.items() if name.startswith(_LAST)}
+    if any(len(values) != sum(sizes) or values.dtype != np.float64 for values in flat.values()):
+        raise ValueError("an invariant has another number of early ends")
+    invariants = {name: tuple(np.split(values, np.cumsum(sizes)[:-1])) for name, values in flat.items()}
+    return {name: tuple(own[k][0] for own in ends) for k, name in enumerate(LAST)} | {"last_invariants": invariants}
+
+
+def _by_member(solution: EnsembleSolution, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:
+    return zip(*(getattr(solution, name) for name in names), strict=True)
+
+
+def _separated(
+    arrays: dict[str, Any], members: int, name: str, shape: tuple[int, ...], shape_of_v: tuple[int, ...]
+) -> list[Moments]:
+    """Return the moments of this name in a file, whose states have these shapes."""
+    moments = separated(arrays, members, name)
+    for own in moments:
+        if any(x.shape[1:] != shape or v.shape[1:] != shape_of_v for x, v in zip(own.x, own.v, strict=True)):
+            raise ValueError(f"the states of {name} have other shapes than those of rows")
+    return moments

@@ -97,7 +97,7 @@ def solve_ensemble(
         As for `kickdrift.solve`: the times kept for all members.
     events : callable or list of callable, optional
         As for `kickdrift.solve`, separately for each member: ``solution.t_events[i][k]`` are the times of the zeros of event
-        k in member i. A member that a terminal event ends has its last state in ``solution.x_events``, and NaN at later
+        k in member i. A member that a terminal event ends has its last state in ``solution.x_last``, and NaN at later
         times; the others go on.
     impacts, switches, step_control, rtol, atol
         As for `kickdrift.solve`: variable steps, separately for each member, with `t_eval` for the times to keep.
@@ -266,6 +266,7 @@ def _description(prepared: Prepared) -> Description:
 def _solution(prepared: Prepared, results: Results, store: MemberStore | None, seconds: float) -> EnsembleSolution:
     system, x, v = prepared.system, results.x, results.v
     evaluated: Callable[[str], Any] = partial(prepared.evaluate, x=x, v=v)
+    at_last: Callable[[str], Any] = partial(prepared.evaluate_last, last=results.last)
     for array in (x, v):
         array.flags.writeable = False  # invariants are evaluated later, from the same numbers
     if store is not None:
@@ -289,4 +290,6 @@ def _solution(prepared: Prepared, results: Results, store: MemberStore | None, s
         parameters=prepared.members.parameters,
         saved_to="" if store is None else str(store.path),
         **(zeros if prepared.events else {}),
+        **{f"{name}_last": tuple(getattr(own, name)[0] for own in results.last) for name in "txv"},  # type: ignore[arg-type]
+        last_invariants=Invariants(tuple(system.quantities), at_last),
     )

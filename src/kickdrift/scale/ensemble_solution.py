@@ -1,7 +1,7 @@
 """The result of an ensemble: the states of all members, and how each of them ended."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,6 +16,7 @@ from kickdrift.engine.solution import Solution
 
 Floats = NDArray[np.float64]
 EVENTS = "t_events", "x_events", "v_events"
+LAST = "t_last", "x_last", "v_last"
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,11 @@ class EnsembleSolution:
         Folder with the rows, if they are not in memory.
     t_events, x_events, v_events : tuple of tuple of array
         Of each member, for each event, the times of its zeros, (K,), and the states there, (K, *shape); empty without events.
+    t_last, x_last, v_last : tuple of array
+        Of each member that ended early, between the times kept, the time and the state at its end, (1,) and (1, *shape); of
+        others (0,) and (0, *shape).
+    last_invariants : mapping of str to tuple of array
+        Conserved quantities of each member there.
 
     Examples
     --------
@@ -89,6 +95,10 @@ class EnsembleSolution:
     t_events: tuple[tuple[Floats, ...], ...] = ()
     x_events: tuple[tuple[Floats, ...], ...] = ()
     v_events: tuple[tuple[Floats, ...], ...] = ()
+    t_last: tuple[Floats, ...] = ()
+    x_last: tuple[Floats, ...] = ()
+    v_last: tuple[Floats, ...] = ()
+    last_invariants: Mapping[str, tuple[Floats, ...]] = field(default_factory=dict)
 
     presenters: ClassVar[EnsemblePresenters]
 
@@ -135,15 +145,22 @@ class EnsembleSolution:
         return (self[i] for i in range(len(self)))
 
     def __getitem__(self, i: int) -> Solution:
-        """Return the solution of a member: the rows that it reached."""
+        """Return the solution of a member: the rows that it reached, and its end."""
         i = range(len(self))[i]
-        x, v = np.asarray(self.x[i]), np.asarray(self.v[i])
+        x = np.asarray(self.x[i])
         reached = ~np.isnan(x.reshape(self.t.size, -1)).all(axis=1)
+        last, last_x, last_v = (getattr(self, name)[i] for name in LAST)
+
+        def joined(rows: Any, at_end: Floats) -> Floats:
+            return np.concatenate((np.asarray(rows)[reached], at_end))
+
         return Solution(
-            t=self.t[reached],
-            x=x[reached],
-            v=v[reached],
-            invariants=Invariants(tuple(self.invariants), lambda name: np.asarray(self.invariants[name][i])[reached]),
+            t=joined(self.t, last),
+            x=joined(x, last_x),
+            v=joined(self.v[i], last_v),
+            invariants=Invariants(
+                tuple(self.invariants), lambda name: joined(self.invariants[name][i], self.last_invariants[name][i])
+            ),
             status=self.status[i],
             message=self.messages[i],
             step=float(self.step[i]),

@@ -11,9 +11,9 @@ from kickdrift.core.naming import digest
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.identity import marked, written
+from kickdrift.scale.moments import flattened, separated
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
-from kickdrift.scale.zeros import flattened, separated
 
 _SECONDS = 60.0  # between checkpoints, if the number of members is not given
 _ARRAYS = ("x", "v", "rows", "step", "step_range", "n_steps", "rejected", "evaluations")
@@ -70,7 +70,8 @@ class Kept:
         kinds = list(dict.fromkeys(outcomes))
         places = {outcome: k for k, outcome in enumerate(kinds)}
         arrays = {name: getattr(results, name)[done] for name in _ARRAYS}
-        arrays |= flattened([results.zeros[i] for i in done])
+        arrays |= flattened([results.zeros[i] for i in done], "events")
+        arrays |= flattened([results.last[i] for i in done], "last")
         arrays |= {"members": done, "outcome": np.array([places[each] for each in outcomes], dtype=np.int64)}
         self._checkpoints.write(done.size, {"outcomes": kinds}, arrays)
         self._count, self._written = done.size, time.perf_counter()
@@ -80,8 +81,9 @@ class Kept:
         try:
             for name in _ARRAYS:
                 getattr(results, name)[members] = arrays[name]
-            for i, zeros in zip(members, separated(arrays, members.size), strict=True):
-                results.zeros[i] = zeros
+            zeros, last = (separated(arrays, members.size, name) for name in ("events", "last"))
+            for k, i in enumerate(members):
+                results.zeros[i], results.last[i] = zeros[k], last[k]
             kinds = [(Outcome[name], str(message)) for name, message in header["outcomes"]]
             for i, kind in zip(members, arrays["outcome"], strict=True):
                 results.status[i], results.messages[i] = kinds[kind]

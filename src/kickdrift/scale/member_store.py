@@ -12,10 +12,10 @@ from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description, unit_attributes
 from kickdrift.engine.zarr_group import Array, ZarrGroup
+from kickdrift.scale.moments import read, spelled
 from kickdrift.scale.prepared import Prepared
 from kickdrift.scale.results import Results
 from kickdrift.scale.stored_array import StoredArray
-from kickdrift.scale.zeros import read, spelled
 
 _CHUNK = 1 << 24  # bytes of an array, at most, where a member has not more
 _TEXT = f"<U{max(len(outcome.name) for outcome in Outcome)}"
@@ -103,6 +103,7 @@ class MemberStore(ZarrGroup):
         if results.v.shape != results.x.shape:
             del rows["v"]
         known = {name: getattr(results, field) for name, (field, *_) in _OF_MEMBERS.items()}
+        known["last"] = np.array([spelled(own) for own in results.last], dtype=object)
         known["message"] = np.array(results.messages, dtype=object)
         if prepared.events:
             known["events"] = np.array([spelled(own) for own in results.zeros], dtype=object)
@@ -133,14 +134,16 @@ class MemberStore(ZarrGroup):
         for name, quantity in system.quantities.items():
             key, vector = _key(name), quantity.size > 1
             arrays[key] = Array((f"{key}_component",) * vector, (quantity.size,) * vector, quantity.unit)
-        taken = {*arrays, *_OF_MEMBERS, *about.coordinates, "events", "message", "parameter", "range"} - {"step"}
+        taken = {*arrays, *_OF_MEMBERS, *about.coordinates, "events", "last", "message", "parameter", "range"} - {
+            "step"
+        }
         if known := sorted(taken & members.parameters.keys()):
             raise ArgumentError(
                 f"args has the name {known[0]!r}, which save_to={str(self.path)!r} uses for something else; give"
                 " another."
             )
         events = ["events"] if prepared.events else []
-        coordinates = [*members.parameters, *_OF_MEMBERS, *events, "message", "status"]
+        coordinates = [*members.parameters, *_OF_MEMBERS, *events, "last", "message", "status"]
         words = {"system": about.system, "method": about.method, "source": about.source}
         with self._writing():
             self._begin({**words, "coordinates": " ".join(dict.fromkeys(coordinates))}, about.coordinates)
@@ -164,6 +167,7 @@ class MemberStore(ZarrGroup):
                 self._add(name, kind, (members.count, *shape), (size, *shape), ("member", "range")[: 1 + len(shape)])
             if prepared.events:
                 self._add("events", str, (members.count,), (size,), ("member",))
+            self._add("last", str, (members.count,), (size,), ("member",))
             self._add("message", str, (members.count,), (size,), ("member",))
             self._add("status", _TEXT, (members.count,), (size,), ("member",))
             self._commit()
@@ -194,13 +198,14 @@ class MemberStore(ZarrGroup):
 
     def _take_over(self, prepared: Prepared, results: Results) -> None:
         with self._writing():
-            status, messages = self._group["status"][:], self._group["message"][:]
+            status, messages, last = (self._group[name][:] for name in ("status", "message", "last"))
             events = self._group["events"][:] if prepared.events else ()
             done = np.flatnonzero(status != "")
             for name, (field, *_) in _OF_MEMBERS.items():
                 getattr(results, field)[done] = self._group[name][:][done]
         for i in done:
             results.status[i], results.messages[i] = Outcome[str(status[i])], str(messages[i])
+            results.last[i] = read(str(last[i]), results.x.shape[2:], results.v.shape[2:])
             if prepared.events:
                 results.zeros[i] = read(str(events[i]), results.x.shape[2:], results.v.shape[2:])
         results.done[done] = True

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import reals
-from kickdrift.core.errors import ArgumentError, unknown_name
+from kickdrift.core.errors import ArgumentError, KickdriftError, unknown_name
 from kickdrift.core.units import has_unit
-from kickdrift.systems.problem import Problem
+from kickdrift.systems.problem import Problem, name_of
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
@@ -54,7 +54,7 @@ class Members:
 
     def problem_of(self, i: int) -> Any:
         """Return the problem of a member."""
-        problem = self.problem if self.made is None else self.problem(**self.made[i])
+        problem = self.problem if self.made is None else _made(self.problem, self.made[i])
         return problem if self.seeds is None else replace(problem, seed=int(_of(self.seeds, i)))
 
     def start_of(self, i: int) -> tuple[Any, Any, Any]:
@@ -227,7 +227,15 @@ def _arguments_of_maker(problem: Any) -> list[str] | None:
 
 
 def _made(maker: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
-    made = maker(**arguments)
+    try:
+        made = maker(**arguments)
+    except KickdriftError:
+        raise
+    except Exception as error:
+        given = ", ".join(f"{name}={value!r}" for name, value in arguments.items())
+        raise ArgumentError(
+            f"problem={name_of(maker)} raised {type(error).__name__} for {given}: {error}; give other args, or mend it."
+        ) from error
     if not isinstance(made, System | Problem):
         raise ArgumentError(
             f"problem={maker!r} returned {made!r}; a function with these argument names must return a system, or be an"

@@ -27,6 +27,7 @@ from kickdrift.engine.steering import Steering
 from kickdrift.engine.table_ranges import tables_of
 from kickdrift.methods import Method
 from kickdrift.scale.members import Members
+from kickdrift.scale.moments import Moments
 from kickdrift.scale.results import Results
 from kickdrift.systems.system import System
 
@@ -195,6 +196,19 @@ class Prepared:
             values = quantities.evaluate(self.system, name, np.tile(t, count), x, v)
             return values.reshape(count, t.size, *values.shape[1:])
         return np.stack([quantities.evaluate(self.system_of(i), name, t, x[i], v[i]) for i in range(count)])
+
+    def evaluate_last(self, name: str, last: Sequence[Moments]) -> tuple[Floats, ...]:
+        """Evaluate a conserved quantity at the last rows of members, (K,), or (K, size), each."""
+        sizes = [own.t[0].size for own in last]
+        if self.one_system():
+            rows = (np.concatenate([arrays[0] for arrays in kind]) for kind in zip(*last, strict=True))
+            values = quantities.evaluate(self.system, name, *rows)
+        else:
+            ended = [i for i, size in enumerate(sizes) if size] or [0]
+            values = np.concatenate(
+                [quantities.evaluate(self.system_of(i), name, *(arrays[0] for arrays in last[i])) for i in ended]
+            )
+        return tuple(np.split(values, np.cumsum(sizes)[:-1]))
 
     def one_system(self) -> bool:
         """Whether all members have one system, started otherwise."""

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.grid import Course, Grid
-from kickdrift.scale.zeros import Zeros, none_of
+from kickdrift.engine.run import ended_early
+from kickdrift.scale.moments import Moments, none_of
 
 Floats = NDArray[np.float64]
 
@@ -16,7 +17,8 @@ Floats = NDArray[np.float64]
 class Results:
     """Results of the members: rows, (M, T, *shape), the number filled, outcomes, and costs.
 
-    And the zeros of events. Results of members that are `done` do not change any more.
+    And the zeros of events, and rows at other times, such as that of an early end. Results of members that are `done` do not
+    change any more.
     """
 
     x: Floats
@@ -30,7 +32,8 @@ class Results:
     rejected: NDArray[np.int64]
     evaluations: NDArray[np.int64]
     done: NDArray[np.bool_]
-    zeros: list[Zeros]
+    zeros: list[Moments]
+    last: list[Moments]
 
     @classmethod
     def empty(
@@ -50,6 +53,7 @@ class Results:
             np.zeros(count, dtype=np.int64),
             np.zeros(count, dtype=bool),
             [none_of(events, shape, shape_of_v)] * count,
+            [none_of(1, shape, shape_of_v)] * count,
         )
 
     def fill(self) -> None:
@@ -72,7 +76,7 @@ class Results:
         outcome = Outcome.COMPLETED if isinstance(grid, Course) or steps == grid.n_steps else Outcome.INTERRUPTED
         message = outcome.value
         if isinstance(grid, Grid) and not outcome.success:
-            message += f" It ends at t={grid.t0 + steps * grid.step!r}, after {steps} of {grid.n_steps} steps."
+            message = ended_early(outcome, grid.t0 + steps * grid.step, f"{steps} of {grid.n_steps} steps")
         self.status[indices], self.messages[indices] = outcome, message
         self.done[indices] = outcome.success
 
@@ -86,4 +90,4 @@ class Results:
         self.n_steps[first:last], self.rejected[first:last] = other.n_steps, other.rejected
         self.evaluations[first:last] = other.evaluations
         self.done[first:last] = other.done
-        self.zeros[first:last] = other.zeros
+        self.zeros[first:last], self.last[first:last] = other.zeros, other.last

@@ -5,12 +5,15 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.calls import raised_in_compiled_code
+from kickdrift.core.errors import KickdriftError
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.announcing import compiling_announced
@@ -22,10 +25,10 @@ from kickdrift.engine.processing import kernel_alone
 from kickdrift.engine.progress import told_of_steps
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
+from kickdrift.scale.moments import Moments
 from kickdrift.scale.prepared import Cohort, Prepared
 from kickdrift.scale.results import Results
 from kickdrift.scale.turns import Numbers, numbers_in_turn, run_in_turn
-from kickdrift.scale.zeros import Zeros
 
 Floats = NDArray[np.float64]
 Task = partial[Any]
@@ -132,10 +135,9 @@ class Runs:
 
     def _run_in_turn(self, cohort: Cohort, numbers: Numbers, most: int) -> None:
         """Run members one after the other; those that do not reach the end once more alone, to find out how far they go."""
-        try:
+        good = np.zeros(cohort.indices.size, dtype=bool)
+        with _failing_functions():
             good = run_in_turn(self._prepared, cohort, numbers, most, self.results)
-        except Exception:  # of a function, for one of the members
-            good = np.zeros(cohort.indices.size, dtype=bool)
         self._count(int(good.sum()) * cohort.length)
         for i in cohort.indices[~good]:
             self._run_alone(int(i), cohort)
@@ -168,7 +170,8 @@ class Runs:
         )
         flat = xs.reshape(indices.size, rows, x.shape[1]), vs.reshape(indices.size, rows, v.shape[1])
         blocks, step, chunk = lanes.blocks(x, v, params), 0, max(1, _FIRST_CHUNK // indices.size)
-        try:
+        good = np.zeros(indices.size, dtype=bool)
+        with _failing_functions():
             while step < grid.n_steps and not self._stop.is_set():
                 started, target = time.perf_counter(), min(step + chunk, grid.n_steps)
                 blocks.advance(grid, step, target, *flat)
@@ -176,8 +179,6 @@ class Runs:
                 self._count((target - step) * indices.size)
                 step = target
             good = blocks.good
-        except Exception:  # of a function, for one of the members
-            good = np.zeros(indices.size, dtype=bool)
         primed = sum(FLOWS[name].evaluations for name in lanes.program.primers)
         evaluations = np.full(indices.size, step * lanes.program.evaluations + primed)
         if not in_place:
@@ -224,7 +225,7 @@ class Runs:
                     check_bounds=settings.check_bounds,
                     progress=False,
                 )
-        except Exception as error:
+        except KickdriftError as error:
             results.status[i] = Outcome.FAILED
             results.messages[i] = f"It did not start. The error was {type(error).__name__}: {error}"
             results.done[i] = True
@@ -240,16 +241,29 @@ class Runs:
         if solution.status is not Outcome.COMPLETED:
             low, high = sorted((t0, float(solution.t[-1])))
             reached = (t >= low) & (t <= high)
-            results.x[i] = results.v[i] = np.nan
+        if not np.array_equal(solution.t[: int(reached.sum())], t[reached]):  # a function failed between two steps
+            reached[:] = False
+        results.x[i] = results.v[i] = np.nan
         count = int(reached.sum())
         results.x[i, reached], results.v[i, reached] = solution.x[:count], solution.v[:count]
+        results.last[i] = Moments(*((getattr(solution, name)[count:],) for name in "txv"))
         results.rows[i], results.status[i] = t.size, solution.status
-        results.messages[i] = solution.status.value if solution.success else solution.message
+        results.messages[i] = solution.message
         results.step[i], results.n_steps[i] = solution.step, solution.n_steps
         results.step_range[i], results.rejected[i] = solution.step_range, solution.n_rejected
         results.evaluations[i] = solution.n_force_evaluations
-        results.zeros[i] = Zeros(solution.t_events, solution.x_events, solution.v_events)
+        results.zeros[i] = Moments(solution.t_events, solution.x_events, solution.v_events)
         results.done[i] = solution.status is not Outcome.INTERRUPTED
+
+
+@contextmanager
+def _failing_functions() -> Iterator[None]:
+    """Suppress exceptions of a function for one of many members, which a run of it alone will report; others are faults."""
+    try:
+        yield
+    except Exception as error:
+        if not (isinstance(error, KickdriftError) or raised_in_compiled_code(error)):
+            raise
 
 
 def _members_of_task(n_steps: int) -> int:

@@ -1,6 +1,6 @@
 """Members one after the other without the interpreter in between, of steps that are equal or vary."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 
 import numpy as np
@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import in_turn
 from kickdrift.engine.courses_in_turn import run_courses
+from kickdrift.engine.event_functions import Event
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.processing import Processing, compile_method
+from kickdrift.engine.run import ended_early, is_zero
 from kickdrift.engine.step_control import LocalError
 from kickdrift.engine.watched_in_turn import WatchedMembers
+from kickdrift.scale.moments import Moments
 from kickdrift.scale.prepared import Cohort, Prepared
 from kickdrift.scale.results import Results
-from kickdrift.scale.zeros import Zeros
 
 Floats = NDArray[np.float64]
 Numbers = tuple[Floats, Floats, Floats]
@@ -100,10 +102,21 @@ def _watched(
     results.note(indices[good], grid, grid.n_steps, rows, evaluations[good])
     results.n_steps[indices[good]] = watched.n_steps[good]
     for i in np.flatnonzero(good):
+        results.zeros[indices[i]] = own = Moments(*zip(*(of_event[i] for of_event in zeros), strict=True))
         if watched.stopped[i]:
-            results.status[indices[i]], results.messages[indices[i]] = Outcome.STOPPED, Outcome.STOPPED.value
-        results.zeros[indices[i]] = Zeros(*zip(*(own[i] for own in zeros), strict=True))
+            name, last = _end(prepared.events, own)
+            steps = f"{watched.n_steps[i]} of {grid.n_steps} steps"
+            message = ended_early(Outcome.STOPPED, float(last.t[0][0]), steps, is_zero(name))
+            results.status[indices[i]], results.messages[indices[i]] = Outcome.STOPPED, message
+            results.last[indices[i]] = last
     return good
+
+
+def _end(events: Sequence[Event], zeros: Moments) -> tuple[str, Moments]:
+    """Return the name of the event that ended a member, the first of several, and the state there."""
+    k = next(k for k, event in enumerate(events) if 0 < event.terminal <= zeros.t[k].size)
+    at = slice(events[k].terminal - 1, events[k].terminal)
+    return events[k].name, Moments(*((arrays[k][at],) for arrays in zeros))
 
 
 def numbers_of_events(prepared: Prepared, indices: NDArray[np.intp]) -> list[Floats]:

@@ -14,6 +14,7 @@ from kickdrift.systems.system import Quantity, System
 Floats = NDArray[np.float64]
 Function = Callable[..., Any]
 OF_SHAPE = "of_shape"  # the attribute of a function that is for states of one shape alone
+AT_START = "at_start"  # and of one that is not for all starts: a function of t, x and v that raises at the others
 
 
 @dataclass(frozen=True)

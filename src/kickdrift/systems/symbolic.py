@@ -2,15 +2,20 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from types import FunctionType
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from kickdrift.core.arguments import real
 from kickdrift.core.errors import ArgumentError, missing_extra
 from kickdrift.systems.hamiltonian import Hamiltonian, Separable
-from kickdrift.systems.problem import OF_SHAPE
+from kickdrift.systems.problem import AT_START, OF_SHAPE
 from kickdrift.systems.second_order import SecondOrder
 
+Floats = NDArray[np.float64]
 _OWN = "kickdrift:"  # prefix of the names of the code's own symbols, which no user's symbol has
 
 
@@ -86,7 +91,8 @@ def from_lagrangian(
     Raises
     ------
     ArgumentError
-        For whatever `from_sympy` refuses, for a kinetic energy that is not positive definite, and for constraints.
+        For whatever `from_sympy` refuses, for a kinetic energy that is not positive definite, and for constraints. Where it
+        depends on the state, `kickdrift.solve` refuses starts at which it is not.
     MissingExtraError
         Without the package sympy.
 
@@ -113,15 +119,37 @@ def from_lagrangian(
         carried = sum((momentum.diff(x[j]) * v[j] for j in range(len(x))), start=momentum.diff(formulas.t))
         push[i] = push[i] - carried + (0 if forces is None else formulas.expression("forces", forces[i]))
     minors = (sympy.Matrix(mass)[:size, :size].det(method="berkowitz") for size in range(1, len(x) + 1))
-    if any(formulas.are_zero([minor]) for minor in minors):
-        raise ArgumentError(
-            "lagrangian has a kinetic energy that is not positive definite in its velocities, so that it does not"
-            " determine the accelerations. Leave out the coordinates without mass, or give their masses."
-        )
+    for minor in minors:
+        if formulas.are_zero([minor]):
+            raise ArgumentError(
+                "lagrangian has a kinetic energy that is not positive definite in its velocities, so that it does not"
+                " determine the accelerations. Leave out the coordinates without mass, or give their masses."
+            )
+        if formulas.is_never_positive(minor):
+            raise ArgumentError(
+                "lagrangian has a kinetic energy that is not positive definite in its velocities: some masses are"
+                " negative. Check its signs, and those of constants."
+            )
     total = sum(momentum * symbol for momentum, symbol in zip(momenta, v, strict=True)) - energy
-    return SecondOrder(
-        formulas.solution("acceleration", mass, push), formulas.function("energy", "xv", [total], scalar=True)
-    )
+    acceleration = formulas.solution("acceleration", mass, push)
+    lower = [mass[i][j] for i in range(len(x)) for j in range(i + 1)]
+    vars(acceleration)[AT_START] = partial(_refuse_start, formulas.function("mass", "xv", lower), len(x))
+    return SecondOrder(acceleration, formulas.function("energy", "xv", [total], scalar=True))
+
+
+def _refuse_start(mass: FunctionType, size: int, t: float, x: Floats, v: Floats) -> None:
+    """Refuse a start where the masses, the lower half of a matrix as a function of the state, are not positive definite."""
+    given = {"t": t, "x": x[()], "v": v[()], "out": np.zeros(size * (size + 1) // 2)}
+    names = mass.__code__.co_varnames[: mass.__code__.co_argcount]
+    returned = mass(**{name: given[name] for name in names})
+    matrix = np.zeros((size, size))
+    matrix[np.tril_indices(size)] = given["out"] if returned is None else returned
+    least = np.linalg.eigvalsh(matrix).min() if np.isfinite(matrix).all() else 1.0
+    if not least > 0.0:
+        raise ArgumentError(
+            f"lagrangian has a kinetic energy that is not positive definite at x0={x.tolist()!r}: the least eigenvalue"
+            f" of its masses is {least:.3g} there. Start elsewhere, or check its signs."
+        )
 
 
 class _Formulas:
@@ -188,6 +216,10 @@ class _Formulas:
     def are_zero(self, formulas: Any) -> bool:
         """Return whether all of these can be shown to be zero."""
         return all(formula == 0 or self._sympy.simplify(formula) == 0 for formula in formulas)
+
+    def is_never_positive(self, formula: Any) -> bool:
+        """Return whether a formula, with the numbers of its constants, is seen at once not to be positive."""
+        return formula.subs({self._own(name): number for name, number in self._numbers.items()}).is_positive is False
 
     def function(self, name: str, halves: str, formulas: list[Any], *, scalar: bool = False) -> FunctionType:
         """Write a function of halves of the state; it writes into `out` where it returns more than a number."""
