@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.spatial.distance
 
+import kickdrift as kd
 from kickdrift.scenes import worlds
 from kickdrift.world.constraint_error import deepest_overlap
 from kickdrift.world.contacts import layout
@@ -539,3 +540,42 @@ def test_small_fast_boxes_that_spin_do_not_pass_through_a_wall(spin, thickness):
         bullet = world.add_box((0.01, 0.01, 0.01), position=start, velocity=(200, 0, 0), **turn)
         world.advance(STEP, 6)
         assert world.position[bullet.index, 0] < 5
+
+
+@pytest.mark.parametrize("across", [0.0, 200.0, 300.0, 400.0])
+@pytest.mark.parametrize(
+    "shape", [kd.Box((0.18, 0.27, 0.09)), kd.Cylinder(0.1, 0.12), kd.Cone(0.1, 0.2), kd.Capsule(0.05, 0.2)]
+)
+def test_what_flies_from_over_one_triangle_to_another_hits_that(shape, across):
+    world = World(gravity=(0, 0, 0))
+    corners = [(0, -5, -5), (0, 5, -5), (0, 5, 5), (0, -5, 5)]
+    world.add_mesh(corners, [(0, 2, 1), (0, 3, 2)])
+    bullet = world.add_body(shape, position=(-1.6, 2, 0.5), velocity=(136, -across, 99.5), mass=1.0)
+    world.step(STEP)
+    assert bullet.position[0] < 0.0
+    assert bullet.position[1] == pytest.approx(2 - across / 60, abs=2.0)
+
+
+@pytest.mark.parametrize("wall", ["box", "triangles"])
+@pytest.mark.parametrize(
+    "shape", [kd.Capsule(0.02, 0.08), kd.Cylinder(0.07, 0.04), kd.Cylinder(0.07, 0.007), kd.Cone(0.07, 0.14)]
+)
+def test_what_hits_a_thin_wall_with_its_rim_turns_and_does_not_pass_through(shape, wall):
+    passed = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        world = World(gravity=(0, 0, 0))
+        surface = {"friction": 0.0, "restitution": rng.choice([0.0, 0.5])}
+        if wall == "box":
+            world.add_box((0.01, 10, 10), static=True, **surface)
+        else:
+            corners = [(0, -5, -5), (0, 5, -5), (0, 5, 5), (0, -5, 5)]
+            world.add_mesh(corners, [(0, 2, 1), (0, 3, 2)], **surface)
+        turn = {"orientation": rng.normal(size=4), "angular_velocity": 10.0 * rng.normal(size=3)}
+        velocity = (rng.uniform(50, 150), *rng.uniform(-20, 20, 2))
+        bullet = world.add_body(
+            shape, position=(-rng.uniform(1, 3), 0, 0), velocity=velocity, mass=1.0, **turn, **surface
+        )
+        world.advance(STEP, 8)
+        passed += [seed] if bullet.position[0] > 0.0 else []
+    assert passed == []

@@ -85,6 +85,29 @@ def test_contacts_are_as_far_apart_as_the_sets_are(first, second):
     assert found >= 8
 
 
+@pytest.mark.parametrize("second", ROUND)
+@pytest.mark.parametrize("first", [BOX, HULL, CYLINDER])
+def test_what_is_stuck_in_a_thin_plate_is_as_deep_in_it_as_the_sets_are(first, second):
+    half = np.array([6.0, 6.0, 0.02])
+    plates = {
+        BOX: (half, CORNERS * half),
+        HULL: (Hull(CORNERS * half).numbers, CORNERS * half),
+        CYLINDER: (half, np.vstack((ring(6.0, -0.02), ring(6.0, 0.02)))),
+    }
+    a, points_a = plates[first]
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        b, points_b, _ = made(second, rng)
+        q = rng.normal(size=4)
+        turn = rotation_matrix(q)
+        pose = np.concatenate(((*rng.uniform(-1, 1, 2), rng.uniform(-0.1, 0.1)), q / np.linalg.norm(q)))
+        manifold = np.zeros(64)
+        count = count_contacts((first, second), a, b, pose, 0.02, manifold)
+        rows = manifold[8:40].reshape(4, 8)[:count]
+        gaps = [manifold[:3] @ (turn @ row[3:6] + pose[:3] - row[:3]) for row in rows]
+        assert min(gaps) == pytest.approx(apart(points_a, points_b @ turn.T + pose[:3]), abs=2e-3)
+
+
 @pytest.mark.parametrize("kind", ROUND)
 def test_a_triangle_is_touched_as_the_box_under_it(kind):
     rng = np.random.default_rng(kind)

@@ -176,7 +176,7 @@ def _edge_contact(
         if count > 0:
             return count
     if apart:
-        return put_closest(edges_a, count_a, edges_b, count_b, axis, frame, margin, manifold)
+        return put_closest(edges_a, count_a, count_a, edges_b, count_b, axis, frame, margin, manifold)
     return 0
 
 

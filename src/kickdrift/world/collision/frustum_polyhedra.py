@@ -96,7 +96,7 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
     number, t, normal, gap_edge = _NONE, 0.0, below, -np.inf
     if not (_is_end_best(f, upper, corner, gap_end) if gap_end > gap_face else _is_face_best(f, body, seen, face)):
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
-        if gap_edge > margin or (number == _NONE and near == 0 and not _is_inside(seen, _lowest_point(f, seen, face))):
+        if gap_edge > margin or (number == _NONE and near == 0 and not _is_inside(seen, _point_on_face(f, seen, face))):
             return 0
     best = max(flat, gap_edge)
     tolerance = tolerance_of(margin, min(body[THICKNESS], min(f[2], max(f[0], f[1]))))
@@ -174,7 +174,13 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
 @compiled(inline=True)
 def _lowest_point(f: Frustum, seen: Any, face: int) -> Vector:
     """Return the support point of a frustum against the normal of a face."""
-    n, _ = plane(seen, face)
+    normal, _ = plane(seen, face)
+    return _lowest_point_along(f, normal)
+
+
+@compiled(inline=True)
+def _lowest_point_along(f: Frustum, n: Vector) -> Vector:
+    """Return the support point of a frustum against a direction."""
     sine, x, y = radial(-n[0], -n[1])
     if f[1] * sine - f[2] * n[2] >= f[0] * sine + f[2] * n[2]:
         return (f[1] * x, f[1] * y, f[2])
@@ -182,11 +188,23 @@ def _lowest_point(f: Frustum, seen: Any, face: int) -> Vector:
 
 
 @compiled
+def _point_on_face(f: Frustum, seen: Any, face: int) -> Vector:
+    """Return a point of a frustum in the plane of a face; if all of it is below, the lowest one.
+
+    If no edge touches the frustum, its section with the plane is either inside the face or beside it.
+    """
+    normal, offset = plane(seen, face)
+    low, up = _lowest_point(f, seen, face), _lowest_point_along(f, times(-1.0, normal))
+    bottom, top = dot(normal, low) - offset, dot(normal, up) - offset
+    return along(low, -bottom / (top - bottom), minus(up, low)) if bottom < 0.0 < top else low
+
+
+@compiled
 def _is_inside(seen: Any, p: Vector) -> bool:
     """Whether a point is in a polyhedron."""
     for k in range(int(seen[FACES])):
         normal, offset = plane(seen, k)
-        if dot(normal, p) > offset:
+        if dot(normal, p) > offset + _ROUNDING * length(p):
             return False
     return True
 

@@ -130,7 +130,7 @@ def touching(
                 count = put_edges(edges_a, edge_a, edges_b, edge_b, edge_normal, astray, frame, manifold)
             if count == 0 and apart > 0.0:
                 axis = edge_normal if gap_edges > gap_faces else face_normal
-                count = put_closest(edges_a, pushing, edges_b, count_b, axis, frame, nearest, manifold)
+                count = put_closest(edges_a, count_a, pushing, edges_b, count_b, axis, frame, nearest, manifold)
             if count > 0:
                 return count
         by_b = b_first != (attempt % 2 == 1)

@@ -165,11 +165,20 @@ def put_edges(
 
 @compiled
 def put_closest(
-    edges_a: Any, count_a: int, edges_b: Any, count_b: int, axis: Vector, frame: Any, margin: float, manifold: Any
+    edges_a: Any,
+    count_a: int,
+    pushing: int,
+    edges_b: Any,
+    count_b: int,
+    axis: Vector,
+    frame: Any,
+    margin: float,
+    manifold: Any,
 ) -> int:
     """Write the closest points of the edges of two separated polyhedra, if they are within the margin; return their number.
 
-    The normal is the direction between the points, or the given axis if their distance is rounding.
+    The normal is the direction between the points, or the given axis if their distance is rounding. Where an edge of a that
+    allows no impulse is nearer than the first ``pushing`` ones, there is no point: the normal of another separates nothing.
     """
     best, best_a, best_b = margin, count_a, count_b
     for j in range(count_b):
@@ -182,6 +191,6 @@ def put_closest(
                 distance = length(minus(along(offset, t, half_b), times(s, half_a)))
                 if distance < best:
                     best, best_a, best_b = distance, i, j
-    if best_a == count_a:
+    if best_a >= pushing:
         return 0
     return put_edges(edges_a, best_a, edges_b, best_b, axis, np.inf, frame, manifold)

@@ -14,7 +14,6 @@ from kickdrift.core.vectors import (
     Quaternion,
     Vector,
     conjugate,
-    cross,
     dot,
     length,
     minus,
@@ -30,6 +29,7 @@ from kickdrift.world.collision.narrow_phase import find_manifold, radius, smalle
 from kickdrift.world.collision.predicted_path import fastest_turn, next_change, path, velocity_then
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
+from kickdrift.world.collision.triangle_round import beside_triangle
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -51,7 +51,7 @@ from kickdrift.world.contacts.layout import (
 from kickdrift.world.layout import BEGIN, RADIUS
 from kickdrift.world.settings import MARGIN, STEP
 from kickdrift.world.shapes.record import SURFACE
-from kickdrift.world.shapes.triangle import begin_of
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (
     CONTACT,
     GEOMETRY,
@@ -67,7 +67,9 @@ from kickdrift.world.tables import (
 )
 
 _ROUNDS = 40
-_PART = 0.1  # of the radius of a shape, by which it goes on where a triangle leaves it to its neighbours
+_PART = (
+    0.1  # of the radius of a shape: how far from a triangle it counts as near, and the way it goes on beside its face
+)
 
 
 @compiled
@@ -91,25 +93,36 @@ def _advance(world: int, row: int, way: float) -> None:
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
     step, pushed = settings[0, STEP], closing_acceleration(world, row)
     when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
+    # Manifolds of a triangle and a shape that is far from it may be those of an edge that does not separate them.
+    ball = place[contact[row, SHAPE_B], RADIUS]
+    apart = max(settings[0, MARGIN] + step * step * pushed, _PART * ball)
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
+        until = next_change(world, b, when, next_change(world, a, when, step))
+        approach = _approach(world, a, b, when)
+        if on_surface:
+            out, height = beside_triangle(_triangle(world, row), at)
+            distance = length(out)
+            if height < -ball:
+                contact[row, POINTS] = 0
+                return
+            if distance - ball > apart:
+                left = _until(distance - ball, spin - dot(turned(turn_a, out), approach) / distance, pushed)
+                if left >= until - when and until == step:
+                    contact[row, POINTS] = 0
+                    return
+                when = min(when + left, until)
+                continue
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
         if contact[row, POINTS] == 0:
             if not on_surface or when >= step:
                 return
-            # Beside its face a triangle leaves contacts to its neighbours, at any distance: advance to its plane, and past it.
-            gap, normal = _gap_of_plane(world, row, at)
-            closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
-            until = next_change(world, b, when, next_change(world, a, when, step))
-            if gap < -2.0 * place[contact[row, SHAPE_B], RADIUS]:
-                return
-            stride = _PART * place[contact[row, SHAPE_B], RADIUS] / max(abs(closing) + step * pushed, 1e-150)
-            when = min(when + max(_until(max(gap, 0.0), closing, pushed), stride), until)
+            # Beside its face a triangle leaves contacts to its neighbours.
+            when = min(when + _PART * ball / max(spin + length(approach) + step * pushed, 1e-150), until)
             continue
         gap, normal = _deepest(world, row, at, turn)
-        closing = spin - dot(turned(turn_a, normal), _approach(world, a, b, when))
+        closing = spin - dot(turned(turn_a, normal), approach)
         left = _until(gap, closing, pushed)
-        until = next_change(world, b, when, next_change(world, a, when, step))
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
             break
         when = min(when + left, until)
@@ -136,17 +149,12 @@ def _approach(world: int, a: int, b: int, when: float) -> Vector:
     return minus(velocity_then(world, b, when), velocity_then(world, a, when))
 
 
-@compiled
-def _gap_of_plane(world: int, row: int, at: Vector) -> tuple[float, Vector]:
-    """Distance of the ball around a shape, whose origin is there, from the plane of a triangle, and the normal."""
-    contact, numbers = integers(world, CONTACT), flat(world, GEOMETRY)
+@compiled(inline=True)
+def _triangle(world: int, row: int) -> Any:
+    """Return the numbers of the triangle of a contact."""
+    contact = integers(world, CONTACT)
     begin = begin_of(integers(world, SHAPE)[contact[row, SHAPE_A], BEGIN], contact[row, TRIANGLE_INDEX])
-    u = (numbers[begin], numbers[begin + 1], numbers[begin + 2])
-    v = (numbers[begin + 3], numbers[begin + 4], numbers[begin + 5])
-    w = (numbers[begin + 6], numbers[begin + 7], numbers[begin + 8])
-    across = cross(minus(v, u), minus(w, u))
-    normal = times(1.0 / max(length(across), 1e-150), across)
-    return dot(normal, minus(at, u)) - floats(world, PLACE)[contact[row, SHAPE_B], RADIUS], normal
+    return flat(world, GEOMETRY)[begin : begin + TRIANGLE_SIZE]
 
 
 @compiled

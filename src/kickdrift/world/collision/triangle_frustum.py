@@ -34,12 +34,13 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     gap_face = -highest(f, times(-1.0, normal)) - offset
     if gap_face > margin:
         return 0
-    side, share, outward, gap_edge = -1, 0.0, normal, -np.inf
+    side, share, outward, gap_edge, apart = -1, 0.0, normal, -np.inf, gap_face
     for k in range(3):
         t, n = deepest(f, vertex(seen, k), vertex(seen, (k + 1) % 3))
         gap = lowest(seen, n) - highest(f, n)
         if gap > margin:
             return 0
+        apart = max(apart, gap)
         if a[ACTIVE_EDGES + k] != 0.0 and gap > gap_edge and -dot(n, normal) >= _BACKWARDS:
             side, share, outward, gap_edge = k, t, n, gap
     best = max(gap_face, gap_edge)
@@ -49,7 +50,7 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
         count, depth = lie_on_face(f, triangle, seen, 0, tolerance, margin, frame, manifold)
         if count > 0 and (side < 0 or abs(depth - best) <= off):
             return count
-    if side < 0:
+    if side < 0 or (apart > 0.0 and gap_edge < apart - off):  # farther than another edge, or the face
         return 0
     p, q = vertex(seen, side), vertex(seen, (side + 1) % 3)
     return touch_edge(f, p, q, side, share, outward, margin, frame, manifold)

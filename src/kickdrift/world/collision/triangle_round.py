@@ -121,6 +121,15 @@ def triangle_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     return put_capsule_second(contact, (centre, axis, half, radius), normal, q, margin, manifold)
 
 
+@compiled
+def beside_triangle(a: Any, point: Vector) -> tuple[Vector, float]:
+    """Return the vector from the nearest point of a triangle to a point, and the height of the point above its plane."""
+    corners, up = _triangle(a)
+    height = dot(minus(point, corners[0]), up)
+    edge, _, nearest = _edge_beside(corners, up, point)
+    return (times(height, up) if edge == _FACE else minus(point, nearest)), height
+
+
 @compiled(inline=True)
 def _triangle(a: Any) -> tuple[Corners, Vector]:
     """Return corners and normal."""
