@@ -498,6 +498,16 @@ def test_scenes_and_worlds_that_were_saved_are_viewed(folder, monkeypatch):
     assert (again.time, step) == (world.time, 1 / 128)
 
 
+def test_a_world_with_functions_is_viewed_in_a_script(folder):
+    world = kd.World()
+    world.add_sphere(0.5, mass=1.0)
+    world.add_force(lambda position, force: None)
+    world.save("pushed.npz")
+    result = call("view", "pushed.npz")
+    assert result.exit_code == cli.BAD_INPUT
+    assert "kd.load_world('pushed.npz', forces=[...]).view" in result.stderr
+
+
 def test_runs_that_were_saved_become_pages(folder, monkeypatch):
     world = kd.World()
     world.add_sphere(0.5, mass=1.0)

@@ -19,6 +19,7 @@ pytestmark = pytest.mark.skipif(
     chromium.PATH is None, reason=f"there is no browser here: none of {', '.join(chromium.NAMES)}"
 )
 PLAYING = "of real time"
+NOW = "document.querySelector('[role=slider]')?.getAttribute('aria-valuenow')"  # where the time line is
 
 
 @pytest.fixture(scope="module")
@@ -148,9 +149,30 @@ def test_a_recording_plays_from_its_file(browser, tmp_path):
         nothing = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
         tab.call("Network.emulateNetworkConditions", **nothing)
         tab.go(path.as_uri())
-        now = "document.querySelector('[role=slider]')?.getAttribute('aria-valuenow')"
-        tab.until(lambda tab: tab.run(now) is not None, "the time line")
-        first = tab.run(now)
-        tab.until(lambda tab: tab.run(now) != first, "the time line to move")
+        tab.until(lambda tab: tab.run(NOW) is not None, "the time line")
+        first = tab.run(NOW)
+        tab.until(lambda tab: tab.run(NOW) != first, "the time line to move")
         tab.until(lambda tab: contrast(tab) > 30, "a picture")
         assert tab.errors == []
+
+
+def test_a_recording_is_seen_whole_on_a_phone(browser, tmp_path):
+    across = np.array([0.98, 0.5, 0.0])  # from left to right, as the camera looks
+    world = kd.World((0, 0, 0))
+    for place in range(-4, 5):
+        world.add_sphere(0.5, position=place * across, mass=1.0)
+    path = world.run(1.0, 1 / 60, progress=False).to_html(tmp_path / "row.html")
+    with closing(browser.open("about:blank")) as tab:
+        tab.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+        tab.go(path.as_uri())
+        tab.until(lambda tab: tab.run(NOW) is not None, "the time line")
+        tab.until(lambda tab: coloured(tab)[190:200].all(), "the balls to be seen")
+        seen = np.flatnonzero(coloured(tab))
+        assert 0 < seen[0] < 60, "cut off at the left, or too small"
+        assert 330 < seen[-1] < 389, "cut off at the right, or too small"
+
+
+def coloured(tab):
+    """Which columns of pixels have colours halfway up, where no words are."""
+    pixels = imread(io.BytesIO(tab.screenshot()), format="png")[300:500, :, :3]
+    return (np.ptp(pixels, axis=2) > 0.1).any(axis=0)

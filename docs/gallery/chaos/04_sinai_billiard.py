@@ -32,7 +32,7 @@ fig, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4), layout="constrained")
 for shot in shots:
     left.plot(*shot.x.T, linewidth=0.8)
 left.add_patch(plt.Circle((0, 0), 0.4, color="grey"))
-left.set(aspect="equal", xlim=(-1, 1), ylim=(-1, 1))
+left.set(aspect="equal", xlim=(-1, 1), ylim=(-1, 1), xticks=(-1, 0, 1), yticks=(-1, 0, 1))
 apart = np.linalg.norm(shots[0].x - shots[1].x, axis=1)
 right.semilogy(shots[0].t, apart)
 right.set(xlabel="t", ylabel="distance of the two balls")

@@ -52,7 +52,7 @@ def view(target: str, step: str | None, port: int) -> int:
             raise ArgumentError(f"TARGET={target!r} cannot be viewed; give a .npz, .xml or .urdf file.")
         raise unknown_name("TARGET", target, SCENES)
     if archive.format_of(target) == archive.WORLD:
-        world = load_world(target)
+        world = _load(target)
         return _run(world, wanted or float(world.tables.array(SETTINGS)[0, STEP]) or _STEP, port)
     if step is not None:
         raise ArgumentError(f"--step={step!r} applies to worlds, but {target!r} is a saved run; leave it out.")
@@ -63,6 +63,16 @@ def view(target: str, step: str | None, port: int) -> int:
         )
     print(f"open {kept.to_html(Path(target).with_suffix('.html'))}")
     return DONE
+
+
+def _load(target: str) -> World:
+    try:
+        return load_world(target)
+    except ArgumentError:  # without the functions that its forces were
+        raise ArgumentError(
+            f"TARGET={target!r} has forces or winds that are Python functions, which a file does not hold; in a script,"
+            f" kd.load_world({target!r}, forces=[...]).view(1/60).wait() shows it with them."
+        ) from None
 
 
 def _step(text: str) -> float:

@@ -1,5 +1,6 @@
 """Pages for the browser: a scene that plays, in one HTML file that needs no server and no network."""
 
+import json
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,6 +21,18 @@ Singles = NDArray[np.float32]
 AHEAD = (-0.42, 0.82, -0.36)  # where the camera looks first
 _FIELD = math.radians(34.0)  # of the camera, from top to bottom
 _TITLE, _END = "<title>Viser</title>", "</body>"  # of viser's page
+
+# The client of viser takes a camera from the address of its page, which a page in a frame cannot change.
+_STAND_BACK = """
+<script>(() => {
+  const about = %s, aspect = innerWidth / innerHeight, get = URLSearchParams.prototype.get;
+  if (!(aspect > 0 && aspect < 1)) return;  // a frame that is hidden has no size
+  const farther = Math.sin(about.half) / Math.sin(Math.atan(aspect * Math.tan(about.half)));
+  const position = about.centre.map((at, axis) => at + farther * about.away[axis]).join();
+  URLSearchParams.prototype.get = function (name) {
+    return get.call(this, name) ?? (name === "initialCameraPosition" ? position : null);
+  };
+})();</script>"""
 
 
 class Stage(NamedTuple):
@@ -92,9 +105,15 @@ def _serialized(draw: Callable[[Stage], str]) -> Iterator[str]:
     with local_server(0) as server:
         recorder = server.get_scene_serializer()
         beside = draw(Stage(server.scene, server.initial_camera, recorder.insert_sleep))
-        page = recorder.as_html()
+        page = recorder.as_html().replace(_TITLE, _TITLE + _stand_back(server.initial_camera), 1)
         end = page.rindex(_END)
         yield page[:end] + beside + page[end:]
+
+
+def _stand_back(camera: Any) -> str:
+    """Return the script that moves the camera of a page that is higher than wide back, as `place` does."""
+    centre, away = np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)
+    return _STAND_BACK % json.dumps({"half": 0.5 * _FIELD, "centre": centre.tolist(), "away": away.tolist()})
 
 
 def rounded(values: Floats, grain: float) -> Singles:
