@@ -422,3 +422,41 @@ def test_code_from_disk_is_loaded_without_what_compiles_it(tmp_path):
     first, second = (python(code, NUMBA_CACHE_DIR=str(tmp_path)) for _ in range(2))
     assert first == str([True] * 4)
     assert second == str([False] * 4)
+
+
+POWERS = """
+import re
+
+import numba
+
+from kickdrift.core.compilation import compiled
+
+POWER = numba.float64(numba.float64, numba.int64)
+
+
+@compiled(fast=True)
+def fast(x, n):
+    return x**n + 1.0
+
+
+@compiled
+def strict(x, n):
+    return x**n + 1.0
+
+
+def code(function):
+    text = str(function.get_compile_result(POWER).library._final_module)
+    return re.sub(r"B\\d*v\\d+", "", text)
+
+
+for function in {order}:
+    function.compile(POWER)
+print("reassoc" in code(fast), "reassoc" in code(strict), len(code(fast)), code(strict))
+"""
+
+
+def test_what_was_compiled_before_does_not_change_compiled_code():
+    """Functions of Numba's, here `int_power`, are compiled once, for all that use them."""
+    one, other = (python(POWERS.format(order=order)) for order in ("(fast, strict)", "(strict, fast)"))
+    assert one.startswith("True False ")
+    assert one == other

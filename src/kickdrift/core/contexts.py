@@ -160,8 +160,8 @@ def own_typing(typing: Any) -> Typing:
 
 @cache
 def own_target(typing: Any, target: Any) -> Target:
-    """Return a copy of Numba's target context that shares its registries."""
+    """Return a copy of Numba's target context that shares its registries, but not the functions that others have compiled."""
     target.refresh()
     own: Target = copy.copy(target)
-    own.__class__, own.typing_context = Target, own_typing(typing)
+    own.__class__, own.typing_context, own.cached_internal_func = Target, own_typing(typing), {}
     return own

@@ -10,6 +10,7 @@ from typing import Any
 import numba
 from numba.core.compiler import Flags, compile_extra
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.cpu_options import FastMathOptions
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
@@ -53,6 +54,7 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
         flags = _Flags()
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
         flags.no_compile = True
+        reordered, flags.fastmath = flags.fastmath, FastMathOptions(False)
         target = self.targetdescr.target_context
         result = compile_extra(
             self.targetdescr.typing_context,
@@ -62,7 +64,7 @@ class _Compiler(_FunctionCompiler):  # type: ignore[misc]
             return_type=return_type,
             flags=flags,
             locals=self.locals,
-            library=Part(target.codegen(), self.py_func.__qualname__),
+            library=Part(target.codegen(), self.py_func.__qualname__, reordered),
             pipeline_class=Pipeline,
         )
         call = calling(result.library, result.fndesc)

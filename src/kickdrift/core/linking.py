@@ -13,6 +13,7 @@ from typing import Any
 from llvmlite.binding import parse_assembly
 from numba.core.codegen import JITCodeLibrary
 from numba.core.environment import lookup_environment
+from numba.core.fastmathpass import rewrite_module
 
 # Numba's functions that count references, and those that accompany them.
 _COUNTING = ("NRT_incref", "NRT_decref")
@@ -25,6 +26,20 @@ class Part(JITCodeLibrary):  # type: ignore[misc]
     counts = True  # whether it counts references
     fails = True  # whether it may fail, so that callers have to check its status
     _own: Any = None
+
+    def __init__(self, codegen: Any, name: str, reordered: Any) -> None:
+        super().__init__(codegen, name)
+        self._reordered = reordered
+
+    def add_ir_module(self, module: Any) -> None:
+        """Add the function's code, with the flags of its arithmetic.
+
+        As flags of the compiler, Numba would pass them on to its own functions that this one uses, `int_power` for one. These
+        are compiled once for all functions: their bits would depend on which function is compiled first.
+        """
+        if self._reordered:
+            rewrite_module(module, self._reordered)
+        super().add_ir_module(module)
 
     def finalize(self) -> None:
         """Close the library: nothing can be added any more."""

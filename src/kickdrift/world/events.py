@@ -8,7 +8,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, minus, plus, turned
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
-from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BEGINS, FIRST_BODY, FROM_SENSOR, SECOND_BODY

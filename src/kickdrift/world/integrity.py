@@ -12,7 +12,6 @@ from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.filters import HIGH_BODY, LOW_BODY
 from kickdrift.world.collision.search_state import NEW, SOUGHT_ANEW
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.file_tables import FileTables
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.catalogue import KINDS as JOINT_KINDS
 from kickdrift.world.layout import (
@@ -38,6 +37,7 @@ from kickdrift.world.shapes.catalogue import KINDS, met_as
 from kickdrift.world.shapes.record import SOLID, SURFACE
 from kickdrift.world.shapes.triangle import triangles_of
 from kickdrift.world.step.status import OK, STATUS
+from kickdrift.world.table_checks import FileTables
 from kickdrift.world.tuning import MOST_SUBSTEPS
 
 _OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "PREDICTED", "BODY")

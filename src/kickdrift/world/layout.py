@@ -115,6 +115,7 @@ GENERATION = column(BODY)
 LINK_PLACE = column(BODY)  # row of its link + 1; minus that if joints are solved one after the other
 LINK_COUNT = column(BODY)
 # Heaps: see `kickdrift.world.direct.unconverged_heaps`
+RESIDUAL_SIZE = column(BODY)  # bits for this step: see `kickdrift.world.contacts.residual`
 UNSOLVED = column(BODY)  # number of steps for which the sweeps have left its contacts unsolved
 IN_HEAP = column(BODY)  # 1 in a heap that is solved directly
 HEAP = column(BODY)  # first body of its heap

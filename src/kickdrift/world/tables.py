@@ -39,7 +39,7 @@ RESTED = Table(36, 12)
 FORCE = Table(35, 12)  # in this substep
 KICKED = Table(6, 24)  # data that `kickdrift.world.integration` carries from kick to drift
 NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver, for restoring it
-BODY = Table(7, 12, whole=True)
+BODY = Table(7, 16, whole=True)
 # Shapes
 SHAPE = Table(8, 8, whole=True)
 PLACE = Table(9, 16)  # in the body, and its surface

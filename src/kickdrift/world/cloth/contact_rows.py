@@ -38,6 +38,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.collision.dispatch import is_round
+from kickdrift.world.collision.shape_poses import pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -48,8 +49,6 @@ from kickdrift.world.layout import (
     DYNAMIC,
     FRICTION,
     ORIENTATION,
-    PLACE_ORIENTATION,
-    PLACE_POSITION,
     POSITION,
     RADIUS,
     SURFACE_VELOCITY,
@@ -86,13 +85,12 @@ AT_FIRST: Vector = (1.0, 0.0, 0.0)  # barycentric coordinates of a particle alon
 @compiled
 def start_pose(world: int, shape: int, h: float) -> Pose:
     """Return the pose of a shape at the start of a substep, h s ago: bodies have drifted already, cloths have not."""
-    place, motion, body = floats(world, PLACE), floats(world, MOTION), integers(world, SHAPE)[shape, BODY_ROW]
+    motion, body = floats(world, MOTION), integers(world, SHAPE)[shape, BODY_ROW]
     q = quaternion_at(floats(world, POSE), body, ORIENTATION)
     spin = vector_at(motion, body, ANGULAR_VELOCITY)
     if dot(spin, spin) > 0.0:
         q = product(exponential(times(-h, spin)), q)
-    at = plus(_start_of_body(world, body, h), turned(q, vector_at(place, shape, PLACE_POSITION)))
-    return at, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))
+    return pose_on_body(world, shape, _start_of_body(world, body, h), q)
 
 
 @compiled(inline=True)

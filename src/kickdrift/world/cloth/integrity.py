@@ -3,8 +3,8 @@
 import numpy as np
 
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.file_tables import FileTables
 from kickdrift.world.layout import BODY_KIND, REMOVED
+from kickdrift.world.table_checks import FileTables
 
 _RANGES = (
     ("PARTICLE", c.FIRST_PARTICLE), ("FACE", c.FIRST_FACE), ("COUPLING", c.FIRST_COUPLING), ("CURVED_FACE", c.FIRST_CURVED),

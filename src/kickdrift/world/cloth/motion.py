@@ -14,6 +14,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.cloth.bending import add_bending
+from kickdrift.world.cloth.cloth_pairs import find_cloth_pairs, meets
 from kickdrift.world.cloth.contact_impulses import resolve_contacts
 from kickdrift.world.cloth.continuous_collision import stop_crossings
 from kickdrift.world.cloth.elasticity import add_elasticity, stiffening
@@ -38,7 +39,6 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.membrane import add_membrane, largest_strain
 from kickdrift.world.cloth.pair_impulses import begin_interval, hold_pairs, resolve_pairs
-from kickdrift.world.cloth.pairs import find_cloth_pairs, meets
 from kickdrift.world.cloth.particle_lanes import drift_particles, fill_lanes, kick_by_forces
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
 from kickdrift.world.cloth.swept_bounds import find_strays, set_frame, travels

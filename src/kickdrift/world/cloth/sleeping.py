@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
-from kickdrift.world.cloth.contacts import find_contacts
+from kickdrift.world.cloth.body_contacts import find_contacts
 from kickdrift.world.cloth.layout import (
     CLOTH_GAP,
     CLOTH_RADIUS,

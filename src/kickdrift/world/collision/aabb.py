@@ -5,7 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import conjugate, dot, minus, turned, turned_back
 from kickdrift.world.collision.bvh import Box
-from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.shapes.extents import turned_extents
 from kickdrift.world.tables import BOUNDS, floats
 

@@ -8,10 +8,11 @@ from numba import carray, types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, product, turned
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to
 from kickdrift.world.collision.dispatch import core_of, sort_of
+from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, lose_points, take_over_impulses
-from kickdrift.world.columns import point_at, quaternion_at, vector_at
+from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FOUND_POSE,
@@ -26,20 +27,7 @@ from kickdrift.world.contacts.layout import (
     TRIANGLE_INDEX,
     WIDTH_OF_FACE,
 )
-from kickdrift.world.layout import (
-    BEGIN,
-    BODY_ROW,
-    LAST_LOST,
-    ORIENTATION,
-    PLACE_ORIENTATION,
-    PLACE_POSITION,
-    PLACED_ORIENTATION,
-    PLACED_POSITION,
-    POSITION,
-    RADIUS,
-    SHAPE_KIND,
-    SIZE,
-)
+from kickdrift.world.layout import BEGIN, LAST_LOST, PLACED_ORIENTATION, PLACED_POSITION, RADIUS, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
 from kickdrift.world.shapes.record import CENTRE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
@@ -51,7 +39,6 @@ from kickdrift.world.tables import (
     MANIFOLD,
     PLACE,
     PLACED,
-    POSE,
     SHAPE,
     flat,
     floats,
@@ -80,24 +67,6 @@ def place_shapes(t: float, h: float, world: int) -> None:
         for k in range(4):
             placed[shape, PLACED_ORIENTATION + k] = turn[k]
         placed[shape, LAST_LOST] = 0.0
-
-
-@compiled(inline=True)
-def shape_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
-    """Return the present pose of a shape in the world: origin and orientation."""
-    pose, place = floats(world, POSE), floats(world, PLACE)
-    body = integers(world, SHAPE)[shape, BODY_ROW]
-    q = quaternion_at(pose, body, ORIENTATION)
-    local = quaternion_at(place, shape, PLACE_ORIENTATION)
-    at = vector_at(place, shape, PLACE_POSITION)
-    return plus(vector_at(pose, body, POSITION), turned(q, at)), product(q, local)
-
-
-@compiled(inline=True)
-def placed_pose(world: int, shape: int) -> tuple[Vector, Quaternion]:
-    """Return the pose of a shape at the start of the step, which is stored."""
-    p = floats(world, PLACED)
-    return vector_at(p, shape, PLACED_POSITION), quaternion_at(p, shape, PLACED_ORIENTATION)
 
 
 @compiled

@@ -9,9 +9,9 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, minus, turned, turned_back
-from kickdrift.world.collision.bvh_walk import NOTHING, advance, reciprocal, start
+from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.narrow_phase import shape_pose
+from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.columns import Fields
 from kickdrift.world.layout import BEGIN, BODY_ROW, FIRST_TREE_NODE, IS_SENSOR, LAST_TREE_NODE, LAYER, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kinds import TRIANGLE
@@ -77,7 +77,7 @@ def cast(world: int, ray: Any, functions: Any, strays: Any, layers: int, ignored
     for k in range(len(strays)):
         count, limit = _cast_at(world, strays[k], ray, limit, functions, layers, ignored, hits, count)
     origin, inverse = (ray[0], ray[1], ray[2]), reciprocal((ray[3], ray[4], ray[5]))
-    walk = carray(floats_on_stack(512), (512,))
+    walk = carray(floats_on_stack(WALK), (WALK,))
     for table in (STATIC_TREE, TREE):
         nodes = floats(world, table)[: rows(world, table)]
         start(walk, nodes, origin, inverse)
@@ -130,7 +130,7 @@ def _cast_at_mesh(world: int, mesh: int, origin: Vector, direction: Vector, limi
     bounds, numbers = floats(world, BOUNDS), flat(world, GEOMETRY)
     nodes = floats(world, TRIANGLE_TREE)[int(bounds[mesh, FIRST_TREE_NODE]) : int(bounds[mesh, LAST_TREE_NODE])]
     inverse = reciprocal(direction)
-    walk = carray(floats_on_stack(512), (512,))
+    walk = carray(floats_on_stack(WALK), (WALK,))
     start(walk, nodes, origin, inverse)
     first = integers(world, SHAPE)[mesh, BEGIN]
     nearest = MISS

@@ -1,20 +1,18 @@
 """Boxes that shapes have swept in a step, and whether two of them may have met."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, minus, plus, product, turned
+from kickdrift.core.vectors import Vector, minus
 from kickdrift.world.collision.aabb import box_around, box_in_frame, boxes_overlap, reaches_under
 from kickdrift.world.collision.bvh import Box
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import LEAST, MOST, POSITION_ERROR
+from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     BEGIN,
     BODY_KIND,
     BODY_ROW,
-    ORIENTATION,
-    PLACE_ORIENTATION,
-    PLACE_POSITION,
     PLACED_ORIENTATION,
     PLACED_POSITION,
     POSITION,
@@ -54,19 +52,17 @@ def _shallow(world: int, a: int, b: int) -> float:
 @compiled
 def swept_box(world: int, shape: int, depth: float) -> Box:
     """Return the box around all positions of a shape in the step, less an outer layer of that depth."""
-    place, placed = floats(world, PLACE), floats(world, PLACED)
+    placed = floats(world, PLACED)
     body = integers(world, SHAPE)[shape, BODY_ROW]
     own = _shrunk(extent_of(world, shape, quaternion_at(placed, shape, PLACED_ORIENTATION)), depth)
     box = _moved(own, vector_at(placed, shape, PLACED_POSITION))
     if integers(world, BODY)[body, BODY_KIND] == STATIC:
         return box
-    pose = floats(world, POSE)
-    q = quaternion_at(pose, body, ORIENTATION)
-    at = plus(vector_at(pose, body, POSITION), turned(q, vector_at(place, shape, PLACE_POSITION)))
-    own = _shrunk(extent_of(world, shape, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))), depth)
+    at, turn = shape_pose(world, shape)
+    own = _shrunk(extent_of(world, shape, turn), depth)
     box = box_around(box, _moved(own, at))
     if floats(world, PREDICTED)[body, POSITION_ERROR] > 0.0:
-        swept, about = floats(world, SWEPT), minus(at, vector_at(pose, body, POSITION))
+        swept, about = floats(world, SWEPT), minus(at, vector_at(floats(world, POSE), body, POSITION))
         own = _moved(own, about)
         box = box_around(box, _moved(own, vector_at(swept, body, LEAST)))
         box = box_around(box, _moved(own, vector_at(swept, body, MOST)))

@@ -26,9 +26,10 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
 from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.narrow_phase import find_manifold, placed_pose, radius, smallest
+from kickdrift.world.collision.narrow_phase import find_manifold, radius, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, next_change, path, velocity_then
 from kickdrift.world.collision.search_state import TRIES
+from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -47,7 +48,7 @@ from kickdrift.world.contacts.layout import (
     SHAPE_B,
     TRIANGLE_INDEX,
 )
-from kickdrift.world.layout import BEGIN, PLACE_ORIENTATION, PLACE_POSITION, RADIUS
+from kickdrift.world.layout import BEGIN, RADIUS
 from kickdrift.world.settings import MARGIN, STEP
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import begin_of
@@ -158,10 +159,8 @@ def _spin(world: int, shape: int, body: int) -> float:
 @compiled
 def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, Quaternion]:
     """Return the pose of a shape a time after the start of the step, on the path that its body is expected to take."""
-    place = floats(world, PLACE)
-    at, q = path(world, body, when)
-    at = plus(at, turned(q, vector_at(place, shape, PLACE_POSITION)))
-    return at, product(q, quaternion_at(place, shape, PLACE_ORIENTATION))
+    at, turn = path(world, body, when)
+    return pose_on_body(world, shape, at, turn)
 
 
 @compiled

@@ -20,8 +20,6 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-HIT = 1e10  # rad, as a turn in REFERENCE: it has the arms of a contact recomputed
-
 
 @compiled(inline=True)
 def bodies_of(world: int, hit: int) -> tuple[int, int]:
@@ -53,7 +51,7 @@ def join_touching(world: int) -> None:
         known = count
         for k in range(rows(world, BOUNCING)):
             row = bouncing[k, 0]
-            if constraint(world, row)[c.REFERENCE * c.WIDTH] != HIT:
+            if constraint(world, row)[c.REFERENCE * c.WIDTH] != c.HIT:
                 continue
             own_a, own_b, joins, when = contact[row, c.BODY_A], contact[row, c.BODY_B], False, 0.0
             for hit in range(count):

@@ -85,7 +85,7 @@ IMPULSE = _CONSTRAINT_POINT.field(1, "N s")
 LEVER = _CONSTRAINT_POINT.field(1, "m")  # distance from the centre
 POINT_FIELDS = _CONSTRAINT_POINT.close()
 
-# Of a point, when the step began; of a round shape its core, see `kickdrift.world.contacts.rolling_cores`
+# Of a point, when the step began; of a round shape its core, see `kickdrift.world.contacts.shape_cores`
 _ANCHOR = Fields()
 ANCHOR_A = _ANCHOR.field(3, "m")  # from the centres of mass of both bodies
 ANCHOR_B = _ANCHOR.field(3, "m")
@@ -129,3 +129,7 @@ SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, an
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step
 FIELDS = _CONSTRAINT.close()
+
+# Values of the first number of REFERENCE after a search for impacts: turns so large that arms are recomputed
+HIT = 1e10  # rad
+MISSED = 2e10  # rad; what seemed to be a hit turned out to be none

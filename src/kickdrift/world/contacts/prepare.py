@@ -9,7 +9,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import KERNEL
-from kickdrift.world.contacts.gather import gather, softness
+from kickdrift.world.contacts.gather import gather
+from kickdrift.world.contacts.softness import softness
 from kickdrift.world.contacts.transpose import fetch_rows
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (

@@ -15,7 +15,7 @@ from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.contacts.transpose import gather_rows
-from kickdrift.world.layout import UNSOLVED, VELOCITY
+from kickdrift.world.layout import RESIDUAL_SIZE, VELOCITY
 from kickdrift.world.settings import GRAVITY, RESIDUAL
 from kickdrift.world.tables import (
     BODY,
@@ -38,9 +38,9 @@ _SIZE = c.FIELDS * _W
 # far too large. Bodies that approach or part faster than _CALM times the residual do not press on each other.
 _NOTED, _FAR, _CALM = 0.01, 30.0, 10.0
 
-# Bits of UNSOLVED above its count: in this step the residual of a body was noted; was far too large; or the body has contacts
-# that are solved directly.
-LEFT, FAR_LEFT, TOUCHES = 1 << 20, 1 << 21, 1 << 22
+# Bits of RESIDUAL_SIZE: in this step the residual of a body was noted; was far too large; or the body has contacts that are
+# solved directly.
+NOTED_RESIDUAL, FAR_RESIDUAL, TOUCHES = 1, 2, 4
 
 run_kernel = caller(KERNEL)
 
@@ -65,12 +65,14 @@ def measure_residual(t: float, h: float, world: int) -> None:
                 noted = _NOTED * h * max(weight_per_mass(world, a), weight_per_mass(world, b))
                 if left > noted > 0.0 and _approach(world, a, b, lanes, g * _SIZE + lane) < _CALM * left:
                     for row in (a, b):
-                        body[row, UNSOLVED] |= LEFT | FAR_LEFT if left > _FAR * noted else LEFT
+                        body[row, RESIDUAL_SIZE] |= (
+                            NOTED_RESIDUAL | FAR_RESIDUAL if left > _FAR * noted else NOTED_RESIDUAL
+                        )
     for g in range(colours[LINKED, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
         for lane in range(_W):
             if groups[g, c.GROUP_CONTACTS + lane] >= 0:
-                body[groups[g, c.BODIES_A + lane], UNSOLVED] |= TOUCHES
-                body[groups[g, c.BODIES_B + lane], UNSOLVED] |= TOUCHES
+                body[groups[g, c.BODIES_A + lane], RESIDUAL_SIZE] |= TOUCHES
+                body[groups[g, c.BODIES_B + lane], RESIDUAL_SIZE] |= TOUCHES
     floats(world, SETTINGS)[0, RESIDUAL] = most
 
 

@@ -27,7 +27,7 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_time import find_time, rests
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.endless_impacts import HIT, bodies_of, join_touching, warn_of_impacts
+from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
@@ -57,7 +57,6 @@ _SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave a relative residual of 5
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FAR = 1e10  # m, as a gap
-_MISSED = 2e10  # rad, as a turn in REFERENCE: an apparent hit of this substep turned out to be none
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
 
@@ -157,7 +156,7 @@ def bounce(t: float, h: float, world: int) -> None:
             leave_impact(h, world, a)
             leave_impact(h, world, b)
             own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
-            own[c.REFERENCE * c.WIDTH] = HIT if was_hit else _MISSED
+            own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit else c.MISSED
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 _hide_from_sweeps(own, k)
             if was_hit:
@@ -220,7 +219,7 @@ def _find_round(h: float, world: int) -> float:
     bouncing, place = integers(world, BOUNCING), floats(world, PLACE)
     for k in range(rows(world, BOUNCING)):
         row = bouncing[k, 0]
-        if constraint(world, row)[c.REFERENCE * c.WIDTH] == _MISSED:
+        if constraint(world, row)[c.REFERENCE * c.WIDTH] == c.MISSED:
             continue
         if _find_times(h, world, row, impact[found]):
             fastest = max(fastest, impact[found, SPEED])
@@ -275,6 +274,6 @@ def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
             hit[TIME], hit[SPEED] = when, speed
         if free:
             _hide_from_sweeps(own, k)
-            own[c.REFERENCE * c.WIDTH] = HIT
+            own[c.REFERENCE * c.WIDTH] = c.HIT
     hits: bool = hit[TIME] < math.inf
     return hits

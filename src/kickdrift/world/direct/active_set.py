@@ -40,12 +40,9 @@ from kickdrift.world.tables import (
 )
 
 _WHOLE, _FLOAT, _TRUTH = types.int64, types.float64, types.boolean
-SOLVE_ISLAND = types.boolean(_WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH, _TRUTH, _WHOLE, types.intp)
+SOLVE_ISLAND = types.boolean(_WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH, _TRUTH, types.intp)
 
 call = caller(SOLVE_ISLAND)
-
-# How equations are solved: until the laws are satisfied; once, with the assumed pieces; once, and the solution is not applied
-BY_LAWS, AS_ASSUMED, FOR_VELOCITIES = 0, 1, 2
 
 # Largest number of solutions with different pieces of laws assumed, for islands with joints and for heaps. Where a ball strikes
 # a wall of 56 blocks, a step leaves points at 0.05 m/s in the mean with 40, and at 0.18 with 20. With 40, sixteen ragdolls in a
@@ -82,62 +79,47 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
     return worst
 
 
+@compiled(inline=True)
+def solve(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> bool:
+    """Call `solve_island` by its address."""
+    found: bool = call(
+        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (island, h, ahead, task, first, touched, world)
+    )
+    return found
+
+
 @compiled
-def solve_island(
-    island: int, h: float, ahead: float, task: int, first: bool, touched: bool, how: int, world: int
-) -> bool:
-    """Solve the equations of an island; stages call it by its address, so that it is compiled once for all of them.
+def solve_island(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> bool:
+    """Solve the equations of an island until all assumed pieces of laws fit, and apply the impulses.
+
+    Stages call it by its address, so that it is compiled once for all of them.
+
+    Friction of contacts is bounded by the normal impulses at the start, and then by those of each solution,
+    until these bounds hold: with fixed bounds laws are convex, and a solution is found from any start. Bounds by what is no
+    solution yet grow beyond all measure: a ball at 15 m/s would drive a block out of a wall at 18 m/s, and free ones at 12.6.
 
     Parameters
     ----------
     island : int
     h, ahead : float
-        Substep, and the time for which the new velocities act: h, 0 for a projection, -1 for position changes; s.
+        Substep, and the time for which the new velocities act: h, or 0 for a projection, s. -1 for changes of position in a
+        projection by one solution, which are not applied.
     task : int
         The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `BOUNCE_FRICTION`.
     first : bool
         Whether the pieces of laws are assumed afresh.
     touched : bool
         Whether contacts take part; otherwise their impulses do not change.
-    how : int
-        `BY_LAWS`, `AS_ASSUMED` or `FOR_VELOCITIES`.
     world : int
 
     Returns
     -------
     bool
-        Whether the laws are satisfied; True unless `how` is `BY_LAWS`.
+        Whether the laws are satisfied.
     """
-    if how == BY_LAWS:
-        return solve_once(island, h, ahead, task, first, touched, world)
-    if how == AS_ASSUMED:
-        update_contact_states(island, task, True, True, world)
-    solve_assumed(island, ahead, touched, world)
-    if how == AS_ASSUMED:
-        give_joints(island, task, world)
-        give_contacts(island, task, world)
-    return True
-
-
-@compiled(inline=True)
-def solve(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, how: int, world: int) -> bool:
-    """Call `solve_island` by its address."""
-    found: bool = call(
-        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (island, h, ahead, task, first, touched, how, world)
-    )
-    return found
-
-
-@compiled(cached=False)
-def solve_once(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> bool:
-    """Solve the equations until all assumed pieces of laws fit, and apply the impulses; return whether they fit.
-
-    Friction of contacts is bounded by the normal impulses at the start, and then by those of each solution,
-    until these bounds hold: with fixed bounds laws are convex, and a solution is found from any start. Bounds by what is no
-    solution yet grow beyond all measure: a ball at 15 m/s would drive a block out of a wall at 18 m/s, and free ones at 12.6.
-
-    Without ``touched`` the impulses of contacts do not change.
-    """
+    if ahead < 0.0:
+        solve_assumed(island, ahead, touched, world)
+        return True
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
     for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else HEAP_TRIALS if heap else TRIALS):

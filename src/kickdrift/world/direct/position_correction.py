@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.active_set import FOR_VELOCITIES, aim_island, solve
+from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contacts import REST
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW
 from kickdrift.world.direct.loop_closures import stay_closings
@@ -25,7 +25,7 @@ def repair(island: int, h: float, world: int) -> None:
     for _ in range(REPAIRS):
         aim_island(island, h, REPAIR, world)
         stay_closings(island, world)
-        solve(island, h, -1.0, REST, True, False, FOR_VELOCITIES, world)
+        solve(island, h, -1.0, REST, True, False, world)
         for node in range(first, after):
             link = nodes[node, LINK_ROW]
             way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))

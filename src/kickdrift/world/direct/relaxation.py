@@ -1,31 +1,19 @@
 """Relaxation of islands: the projection of velocities after the drift, and the judgement of the energy that it leaves."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.active_set import BY_LAWS, aim_island, solve
+from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contacts import REST, is_cut, note_impulses
-from kickdrift.world.direct.external_energy import driving_speed, energy_from_outside
+from kickdrift.world.direct.energy_guard import gained
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_relaxation
-from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, GROUP, HAS_JOINTS, LOST
+from kickdrift.world.direct.layout import GROUP, LOST
 from kickdrift.world.direct.loop_closures import stay_closings
-from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.position_correction import repair
 from kickdrift.world.direct.solve import project, solve_at_once
-from kickdrift.world.direct.substep_estimate import LONG_TURN
-from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities
+from kickdrift.world.direct.velocities import begin_from_kick, note_velocities
 from kickdrift.world.disjoint_sets import first_of
-from kickdrift.world.joints.layout import ANGULAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
-from kickdrift.world.tables import ISLAND, KICKED, MOTION, integers
-
-# Ratio to which heaps, islands with contacts and fast rotating ones may increase their energy after the drift. Of sixty
-# spinning chains of random rods 46 gain more than a tenth with 1.02, and six with 1.001. Of 800 linkages thrown at walls at 3
-# to 100 m/s, in space and in planes, 33 gain more than a hundredth if those with contacts may gain half of theirs, one of
-# them a tenth in one impact, and one does with 1.001.
-KEPT = 1.001
-
-# Square of a negligible speed, m^2/s^2.
-_STILL = 1e-12
+from kickdrift.world.tables import ISLAND, integers
 
 
 @compiled
@@ -45,7 +33,7 @@ def relax_islands(t: float, h: float, world: int) -> None:
         if is_cut(island, world):
             aim_island(island, h, RELAX, world)
             stay_closings(island, world)
-            solve(island, h, 0.0, REST, True, False, BY_LAWS, world)
+            solve(island, h, 0.0, REST, True, False, world)
         end_relaxation(island, h, world)
 
 
@@ -56,7 +44,7 @@ def _relax(island: int, h: float, world: int) -> None:
     Islands that touch others are judged when all have been projected (`_relax_again`).
     """
     solve_at_once(island, h, RELAX, REST, world)
-    if not is_cut(island, world) and not _gained(island, h, world) <= 0.0:
+    if not is_cut(island, world) and not gained(island, h, world) <= 0.0:
         _relax_from_kick(island, h, world)
 
 
@@ -69,11 +57,11 @@ def _relax_again(h: float, world: int) -> None:
     """
     islands = integers(world, ISLAND)
     for island in range(direct_islands(world)):
-        if islands[island, LOST] == 0 and is_cut(island, world) and not _gained(island, h, world) <= 0.0:
+        if islands[island, LOST] == 0 and is_cut(island, world) and not gained(island, h, world) <= 0.0:
             total = 0.0
             for other in range(direct_islands(world)):
                 if first_of(islands, GROUP, other) == first_of(islands, GROUP, island):
-                    total += _gained(other, h, world)
+                    total += gained(other, h, world)
             if not total <= 0.0:
                 _relax_from_kick(island, h, world)
 
@@ -83,23 +71,3 @@ def _relax_from_kick(island: int, h: float, world: int) -> None:
     """Project the velocities after the kick, without the impulses of the substep."""
     begin_from_kick(island, world)
     solve_at_once(island, h, RELAX, REST, world)
-
-
-@compiled(cached=False)
-def _gained(island: int, h: float, world: int) -> float:
-    """Return the energy that an island has gained since the kick, beyond a tolerance and what was given from outside, J.
-
-    Zero or less if none, and then what was given is not subtracted. Zero without contacts and without large rotations in a
-    substep: such islands are not checked.
-    """
-    own = integers(world, ISLAND)[island]
-    far = h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN
-    if own[FIRST_CONTACT] == own[AFTER_CONTACT] and not far:
-        return 0.0
-    gained = kinetic_energy(island, MOTION, world) - KEPT * kinetic_energy(island, KICKED, world)
-    if gained <= 0.0:
-        return gained
-    if own[HAS_JOINTS] != 0:
-        return gained - energy_from_outside(island, world)
-    speed = driving_speed(island, world)
-    return gained - mass_of(island, world) * (speed * speed + _STILL)

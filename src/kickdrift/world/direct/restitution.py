@@ -17,7 +17,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.restitution import slowest_bounce, strikes
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, BOUNCE_FRICTION, read_both, twelve
-from kickdrift.world.direct.external_energy import energy_driven, energy_received
+from kickdrift.world.direct.energy_guard import NO_MORE, has_more
+from kickdrift.world.direct.external_energy import energy_driven
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row, row_of
@@ -26,12 +27,9 @@ from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, t
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
-from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, NOTED, PLACE, floats, integers
+from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, PLACE, floats, integers
 
 _ROUNDS = 30
-
-# Ratio to which the tolerances of a solution may increase the energy; one with more is none.
-NO_MORE = 1.001
 
 
 @compiled
@@ -51,20 +49,13 @@ def _resolve_impacts(island: int, h: float, world: int) -> bool:
         note_velocities(island, world)
         most = NO_MORE * energy_driven(island, kinetic_energy(island, MOTION, world), world)
         solve_at_once(island, h, RELAX, BOUNCE, world)
-        if _has_more(island, most, world):  # no solution: nothing bounces
+        if has_more(island, most, world):  # no solution: nothing bounces
             take_back_velocities(island, world)
             break
         note_velocities(island, world)  # friction without a solution is left out
-        if not solve_at_once(island, h, RELAX, BOUNCE_FRICTION, world) or _has_more(island, most, world):
+        if not solve_at_once(island, h, RELAX, BOUNCE_FRICTION, world) or has_more(island, most, world):
             take_back_velocities(island, world)
     return False
-
-
-@compiled(cached=False)
-def _has_more(island: int, energy: float, world: int) -> bool:
-    """Whether an island has more than an energy and that which it has received from other islands, J."""
-    more: bool = kinetic_energy(island, MOTION, world) > energy + NO_MORE * energy_received(island, NOTED, world)
-    return more
 
 
 @compiled(cached=False)

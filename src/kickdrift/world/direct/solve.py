@@ -13,9 +13,10 @@ the drift too, and the poses of bodies are corrected.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.active_set import AS_ASSUMED, BY_LAWS, aim_island, solve
+from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, begin_contacts, is_cut, note_impulses
+from kickdrift.world.direct.energy_guard import allowance
 from kickdrift.world.direct.external_energy import energy_given
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_solution
@@ -30,12 +31,11 @@ from kickdrift.world.direct.layout import (
     RATIO,
 )
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
-from kickdrift.world.direct.substep_estimate import LONG_TURN
 from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
-from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART
+from kickdrift.world.joints.layout import LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
-from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floats, integers
+from kickdrift.world.tables import ISLAND, KICKED, MOTION, SETTINGS, floats, integers
 
 # Newton's method stops when the joint errors, relative to the arms and times the mass ratio, are below CLOSE, with contacts
 # CLOSE_TOUCHING, with loops CLOSE_LOOPS. Most islands take two steps; one that is not NEAR after QUICK steps starts again from
@@ -43,14 +43,13 @@ from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, SETTINGS, floa
 # Rotors that fly freely lose 4e-6 of their energy in 5 s with 1e-7, and 4e-4 with 1e-6, which is enough with contacts.
 QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9, 1e-5
 
-# An island is given up if its error is above FAR at the end, relative to the arms. A projection that leaves more than EXCESS
-# times the initial energy is repeated without the laws of axes, which may add energy if the substep is too long.
-FAR, EXCESS = 1e-3, 1.5
+# An island is given up if its error is above FAR at the end, relative to the arms.
+FAR = 1e-3
 
 # Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.
 POOR = 0.1
 
-# Ratio of energies, or of speeds in `_press`, above which a solution is spurious.
+# Ratio of speeds in `_press`, and of energies in `_solve_carefully`, above which a solution is spurious.
 WILD = 4.0
 
 
@@ -66,7 +65,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
             _press(island, h, world)
             continue
         off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR) or _is_spurious(island, h, world):
+        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR):
             _solve_carefully(island, h, world)
     for island in range(direct_islands(world)):
         if is_cut(island, world):
@@ -95,7 +94,7 @@ def _press(island: int, h: float, world: int) -> None:
             note_velocities(island, world)
             note_impulses(island, False, world)
         begin_contacts(island, h, PRESS, world)
-        solve(island, h, h, PRESS, True, True, BY_LAWS, world)
+        solve(island, h, h, PRESS, True, True, world)
         if fastest(island, MOTION, LINEAR_PART, world) <= most:
             return
         take_back(island, world)
@@ -118,22 +117,12 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
     for step in range(most):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
-        if not solve(island, h, h, PRESS, step == 0, True, BY_LAWS, world):
+        if not solve(island, h, h, PRESS, step == 0, True, world):
             return math.inf
         off = ratio * aim_island(island, h, AHEAD, world) if closed or off * off > close else off * off
         if off <= close:
             break
     return off
-
-
-@compiled(cached=False)
-def _is_spurious(island: int, h: float, world: int) -> bool:
-    """Whether an island turns fast with far more energy than it had: at a distant, spurious solution."""
-    if h * fastest(island, MOTION, ANGULAR_PART, world) <= LONG_TURN:
-        return False
-    most = WILD * (kinetic_energy(island, NOTED, world) + energy_given(island, world))
-    thrown: bool = kinetic_energy(island, MOTION, world) > most
-    return thrown
 
 
 @compiled(cached=False)
@@ -156,22 +145,11 @@ def _solve_carefully(island: int, h: float, world: int) -> None:
     off = _approach(island, h, off, ROUNDS, world)
     if not (
         off <= FAR * islands[island, RATIO]
-        and kinetic_energy(island, MOTION, world) <= _allowance(island, h, world) * energy + energy_given(island, world)
+        and kinetic_energy(island, MOTION, world) <= allowance(island, h, world) * energy + energy_given(island, world)
     ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
         project(island, h, GENTLY, PRESS, world)
-
-
-@compiled(cached=False)
-def _allowance(island: int, h: float, world: int) -> float:
-    """Return the ratio to which the energy of an island may increase before the drift.
-
-    Turning by an angle a in the substep adds the fraction a^2 / 2. With a margin of a tenth: distant, spurious solutions have
-    more, that of a grid of 4 x 4 balls by a sixth.
-    """
-    turn = h * fastest(island, NOTED, ANGULAR_PART, world)
-    return 1.1 + 0.6 * min(turn, 1.5) ** 2
 
 
 @compiled(cached=False)
@@ -190,7 +168,7 @@ def _solve_joints(island: int, h: float, world: int) -> None:
     else:
         aim_island(island, h, GENTLY, world)
         stay_closings(island, world)
-    solve(island, h, h if near else 0.0, PRESS, True, False, BY_LAWS, world)
+    solve(island, h, h if near else 0.0, PRESS, True, False, world)
 
 
 @compiled(cached=False)
@@ -199,24 +177,11 @@ def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> bo
     aim_island(island, h, mode, world)
     stay_closings(island, world)
     begin_contacts(island, h, task, world)
-    return solve(island, h, 0.0, task, True, True, BY_LAWS, world)
+    return solve(island, h, 0.0, task, True, True, world)
 
 
 @compiled(cached=False)
 def project(island: int, h: float, mode: int, task: int, world: int) -> None:
-    """Go back to the noted velocities, and project them.
-
-    If that adds energy, as a limit does that has been exceeded by far, it is done without updating the laws, or not at all.
-    """
+    """Go back to the noted velocities, and project them."""
     take_back(island, world)
-    energy = kinetic_energy(island, MOTION, world)
     solve_at_once(island, h, mode, task, world)
-    if kinetic_energy(island, MOTION, world) <= EXCESS * energy + energy_given(island, world):
-        return
-    take_back(island, world)
-    aim_island(island, h, mode, world)
-    stay_closings(island, world)
-    begin_contacts(island, h, task, world)
-    solve(island, h, 0.0, task, True, True, AS_ASSUMED, world)
-    if not kinetic_energy(island, MOTION, world) <= EXCESS * energy + energy_given(island, world):
-        take_back(island, world)

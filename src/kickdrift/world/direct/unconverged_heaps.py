@@ -16,7 +16,7 @@ from kickdrift.world.collision.filters import push
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import CROWD
-from kickdrift.world.contacts.residual import FAR_LEFT, LEFT, TOUCHES
+from kickdrift.world.contacts.residual import FAR_RESIDUAL, NOTED_RESIDUAL, TOUCHES
 from kickdrift.world.direct.node_selection import moves
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints.layout import JOINED_ROWS
@@ -31,6 +31,7 @@ from kickdrift.world.layout import (
     IN_HEAP,
     LEFT_FOR,
     LINK_PLACE,
+    RESIDUAL_SIZE,
     UNSOLVED,
     VELOCITY,
 )
@@ -202,8 +203,8 @@ def ask_again(t: float, h: float, world: int) -> None:
 @compiled(inline=True)
 def _is_far_left(world: int, row: int) -> bool:
     """Whether sweeps have left a body far from solved in this step."""
-    unsolved = integers(world, BODY)[row, UNSOLVED]
-    far: bool = unsolved & FAR_LEFT != 0 and unsolved & (LEFT - 1) < _FOUND
+    body = integers(world, BODY)
+    far: bool = body[row, RESIDUAL_SIZE] & FAR_RESIDUAL != 0 and body[row, UNSOLVED] < _FOUND
     return far
 
 
@@ -217,14 +218,17 @@ def count_unsolved(t: float, h: float, world: int) -> None:
     integers(world, STEP_STATUS)[0, REPEATED] = 0
     for row in range(rows(world, BODY)):
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] == 0:
-            body[row, LEFT_FOR] = 0
+            body[row, LEFT_FOR] = body[row, RESIDUAL_SIZE] = 0
             continue
         _count_left(row, t, h, world)
-        seen, count = body[row, UNSOLVED], body[row, UNSOLVED] & (LEFT - 1)
+        residual, count = body[row, RESIDUAL_SIZE], body[row, UNSOLVED]
         if count >= _FOUND:
-            body[row, UNSOLVED] = count if seen & TOUCHES else 0
+            body[row, UNSOLVED] = count if residual & TOUCHES else 0
+        elif residual & NOTED_RESIDUAL:
+            body[row, UNSOLVED] = count + (_HASTE if residual & FAR_RESIDUAL else 1)
         else:
-            body[row, UNSOLVED] = count + _HASTE if seen & FAR_LEFT else count + 1 if seen & LEFT else 0
+            body[row, UNSOLVED] = 0
+        body[row, RESIDUAL_SIZE] = 0
 
 
 @compiled(inline=True)
@@ -238,7 +242,7 @@ def _count_left(row: int, t: float, h: float, world: int) -> None:
         return
     v, gained = vector_at(floats(world, MOTION), row, VELOCITY), h * weight_per_mass(world, row)
     rests = body[row, BODY_KIND] == DYNAMIC and dot(v, v) < gained * gained
-    if body[row, UNSOLVED] & LEFT == 0 or not rests:
+    if body[row, RESIDUAL_SIZE] & NOTED_RESIDUAL == 0 or not rests:
         body[row, LEFT_FOR] = max(body[row, LEFT_FOR] - 1, 0)
         return
     body[row, LEFT_FOR] += 1

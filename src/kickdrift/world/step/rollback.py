@@ -10,7 +10,6 @@ from kickdrift.world.collision.search_state import shapes_changed
 from kickdrift.world.columns import column, quaternion_at
 from kickdrift.world.contacts.batching import roll_back_impulses
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
-from kickdrift.world.contacts.residual import LEFT
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -29,9 +28,9 @@ from kickdrift.world.layout import (
     LOWER,
     MASS,
     ORIENTATION,
+    RESIDUAL_SIZE,
     SPIN,
     TUMBLES,
-    UNSOLVED,
     UPPER,
     WHOLE_KICK,
 )
@@ -167,7 +166,7 @@ def roll_back(tables: Tables) -> None:
     roll_back_impulses(tables)
     tables.row(STEP_STATUS, 0)[WARNING] = tables.row(STEP_STATUS, 0)[STARTED_WARNING]
     roll_back_cloths(tables)
-    tables.array(BODY)[:, UNSOLVED] &= LEFT - 1  # measured in this attempt
+    tables.array(BODY)[:, RESIDUAL_SIZE] = 0  # measured in this attempt
     tables.array(CONTACT)[:, CONTACT_STATE] &= ~BOUNCED
     nowhere = ~np.isfinite(tables.array(BOUNDS)[:, LOWER : UPPER + 3]).all(axis=1)
     if nowhere.any():

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
-from kickdrift.world.cloth.contacts import find_cloth_contacts
+from kickdrift.world.cloth.body_contacts import find_cloth_contacts
 from kickdrift.world.cloth.motion import begin_cloths, move_cloths
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.cloth.wind import calm
@@ -25,7 +25,7 @@ from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
-from kickdrift.world.direct.energy_losses import note_losses
+from kickdrift.world.direct.energy_warning import note_losses
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.half_kicks import complete_half_kicks, mark_half_kicks
 from kickdrift.world.direct.islands import find_islands
