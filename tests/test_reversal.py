@@ -37,6 +37,26 @@ def test_reversible_steps_lead_back_to_the_start(name):
     assert back.return_to(15.0).t[-1] == 15.0
 
 
+def test_a_clock_that_misses_the_start_by_rounding_leads_there_all_the_same():
+    """A part of a step is another step: 1e-4 from the start by the time-transformed leapfrog."""
+    orbit = kd.systems.kepler(eccentricity=0.87)
+    for end in (90.0, 100.0, 110.0):
+        there = kd.solve(orbit, (0.0, end), step=0.007, step_control=CONTROLS["time-transformed"])
+        assert away(there.return_to(0.0), there) < 1e-9
+
+
+@pytest.mark.parametrize("method", ["tao-2", "tao-4"])
+def test_methods_with_a_memory_lead_back_to_the_start(method):
+    entangled = kd.Hamiltonian(
+        dHdq=lambda q, p: np.array([q[0] * (1 + p[0] ** 2)]), dHdp=lambda q, p: np.array([p[0] * (1 + q[0] ** 2)])
+    )
+    for span in (40.0, 160 / 3, 170 / 3):
+        there = kd.solve(
+            entangled, (0.0, span), [1.3], [0.1], step=0.03, method=method, step_control=lambda q: 1.0 + q[0] * q[0]
+        )
+        assert away(there.return_to(0.0), there) < 1e-11
+
+
 def test_steps_from_the_density_at_the_end_lead_elsewhere():
     there = comet(step_control="distance")
     again = partial(kd.solve, kd.systems.kepler(eccentricity=0.8), step_control="distance")

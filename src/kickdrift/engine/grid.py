@@ -71,6 +71,8 @@ class Course:
         Whether rows go to disk.
     most : int
         Number of steps that one call may take.
+    returns : bool
+        Whether the steps are those of another run in reverse.
     """
 
     t0: float
@@ -81,6 +83,7 @@ class Course:
     wanted: NDArray[np.float64] | None = None
     streamed: bool = False
     most: int = MOST_STEPS
+    returns: bool = False
 
 
 def lay_course(

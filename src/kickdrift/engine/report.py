@@ -13,6 +13,7 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.dense import DenseOutput, States
 from kickdrift.engine.events import Watch
+from kickdrift.engine.flows.layout import CLOCK
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.invariants import Invariants
 from kickdrift.engine.phase import time_shift
@@ -27,6 +28,7 @@ from kickdrift.engine.zeros import Zero
 from kickdrift.systems.system import System
 
 Floats = NDArray[np.float64]
+_ROUNDED = 1e-6  # of a step
 
 
 class _Kept(NamedTuple):
@@ -71,7 +73,7 @@ def report(
     dense = None if journey.store else _dense(system, grid, between, end, kept)
     if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
         try:  # the last step leads beyond the end, so take a part of it
-            x, v, own = dense.states_at(np.array([end]))
+            x, v, own = _in_last_step(journey, grid, standing, dense, kept.steps[-1])
             kept, evaluations = kept.followed_by(end, x[0], v[0], grid.step), evaluations + own
             dense = _dense(system, grid, between, end, kept)
         except (Exception, KeyboardInterrupt) as error:
@@ -112,6 +114,22 @@ def report(
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
     )
+
+
+def _in_last_step(
+    journey: Journey, grid: Course, standing: Standing, dense: DenseOutput, size: float
+) -> tuple[Floats, Floats, int]:
+    """Return the state at the end, which the last step leads beyond, and the force evaluations.
+
+    Steps in reverse lead to the start but for rounding, some 1e-9 of a step. A part of the last one would be a step of its own,
+    by 4e-4 elsewhere for `TimeTransformed` and e = 0.87: the way from its end back to the start is shorter.
+    """
+    clock, end = np.array([standing.state.work[CLOCK]]), np.array([grid.t1])
+    if not (grid.returns and abs(clock[0] - grid.t1) < _ROUNDED * abs(size)):
+        return dense.states_at(end)
+    xs, vs = journey.processing.seen(clock, standing.state.x[None].copy(), standing.state.v[None].copy())
+    x, v, own = journey.between().go_on(clock, end - clock, np.ones(1, dtype=np.int64), xs, vs)
+    return x, v, int(own.sum())
 
 
 def _kept(rows: Rows, ending: Ending, early: bool, processing: Processing) -> _Kept:

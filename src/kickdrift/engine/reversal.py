@@ -58,8 +58,8 @@ def _course_back(grid: Course, now: float, t: float) -> Course:
     if not low <= end <= high or end == now:
         raise ArgumentError(f"t={t!r} must be a time of the run before its end, from {grid.t0!r} to {now!r}.")
     if grid.wanted is None:
-        return Course(now, end, -grid.step, grid.stride, np.array([end]))
+        return Course(now, end, -grid.step, grid.stride, np.array([end]), returns=True)
     between = grid.wanted[(grid.wanted > min(now, end)) & (grid.wanted < max(now, end))]
     marks = np.unique(np.append(between, end))
     marks = marks if end > now else marks[::-1].copy()
-    return Course(now, end, -grid.step, 0, marks, wanted=marks)
+    return Course(now, end, -grid.step, 0, marks, wanted=marks, returns=True)

@@ -290,6 +290,6 @@ def _solution(prepared: Prepared, results: Results, store: MemberStore | None, s
         parameters=prepared.members.parameters,
         saved_to="" if store is None else str(store.path),
         **(zeros if prepared.events else {}),
-        **{f"{name}_last": tuple(getattr(own, name)[0] for own in results.last) for name in "txv"},  # type: ignore[arg-type]
+        **{f"{name}_last": tuple(getattr(own, name)[0] for own in results.last) for name in "txv"},
         last_invariants=Invariants(tuple(system.quantities), at_last),
     )

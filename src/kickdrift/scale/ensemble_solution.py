@@ -98,7 +98,7 @@ class EnsembleSolution:
     t_last: tuple[Floats, ...] = ()
     x_last: tuple[Floats, ...] = ()
     v_last: tuple[Floats, ...] = ()
-    last_invariants: Mapping[str, tuple[Floats, ...]] = field(default_factory=dict)
+    last_invariants: Mapping[str, Any] = field(default_factory=dict)
 
     presenters: ClassVar[EnsemblePresenters]
 

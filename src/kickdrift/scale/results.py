@@ -76,7 +76,7 @@ class Results:
         outcome = Outcome.COMPLETED if isinstance(grid, Course) or steps == grid.n_steps else Outcome.INTERRUPTED
         message = outcome.value
         if isinstance(grid, Grid) and not outcome.success:
-            message = ended_early(outcome, grid.t0 + steps * grid.step, f"{steps} of {grid.n_steps} steps")
+            message = ended_early(outcome, float(grid.t0 + steps * grid.step), f"{steps} of {grid.n_steps} steps")
         self.status[indices], self.messages[indices] = outcome, message
         self.done[indices] = outcome.success
 

@@ -102,9 +102,9 @@ def _watched(
     results.note(indices[good], grid, grid.n_steps, rows, evaluations[good])
     results.n_steps[indices[good]] = watched.n_steps[good]
     for i in np.flatnonzero(good):
-        results.zeros[indices[i]] = own = Moments(*zip(*(of_event[i] for of_event in zeros), strict=True))
+        results.zeros[indices[i]] = found = Moments(*zip(*(of_event[i] for of_event in zeros), strict=True))
         if watched.stopped[i]:
-            name, last = _end(prepared.events, own)
+            name, last = _end(prepared.events, found)
             steps = f"{watched.n_steps[i]} of {grid.n_steps} steps"
             message = ended_early(Outcome.STOPPED, float(last.t[0][0]), steps, is_zero(name))
             results.status[indices[i]], results.messages[indices[i]] = Outcome.STOPPED, message

@@ -139,7 +139,7 @@ def from_lagrangian(
 
 def _refuse_start(mass: FunctionType, size: int, t: float, x: Floats, v: Floats) -> None:
     """Refuse a start where the masses, the lower half of a matrix as a function of the state, are not positive definite."""
-    given = {"t": t, "x": x[()], "v": v[()], "out": np.zeros(size * (size + 1) // 2)}
+    given: dict[str, Any] = {"t": t, "x": x[()], "v": v[()], "out": np.zeros(size * (size + 1) // 2)}
     names = mass.__code__.co_varnames[: mass.__code__.co_argcount]
     returned = mass(**{name: given[name] for name in names})
     matrix = np.zeros((size, size))
