@@ -554,3 +554,28 @@ def test_what_flies_from_over_one_triangle_to_another_hits_that(shape, across):
     world.step(STEP)
     assert bullet.position[0] < 0.0
     assert bullet.position[1] == pytest.approx(2 - across / 60, abs=2.0)
+
+
+@pytest.mark.parametrize("wall", ["box", "triangles"])
+@pytest.mark.parametrize(
+    "shape", [kd.Capsule(0.02, 0.08), kd.Cylinder(0.07, 0.04), kd.Cylinder(0.07, 0.007), kd.Cone(0.07, 0.14)]
+)
+def test_what_hits_a_thin_wall_with_its_rim_turns_and_does_not_pass_through(shape, wall):
+    passed = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        world = World(gravity=(0, 0, 0))
+        surface = {"friction": 0.0, "restitution": rng.choice([0.0, 0.5])}
+        if wall == "box":
+            world.add_box((0.01, 10, 10), static=True, **surface)
+        else:
+            corners = [(0, -5, -5), (0, 5, -5), (0, 5, 5), (0, -5, 5)]
+            world.add_mesh(corners, [(0, 2, 1), (0, 3, 2)], **surface)
+        turn = {"orientation": rng.normal(size=4), "angular_velocity": 10.0 * rng.normal(size=3)}
+        velocity = (rng.uniform(50, 150), *rng.uniform(-20, 20, 2))
+        bullet = world.add_body(
+            shape, position=(-rng.uniform(1, 3), 0, 0), velocity=velocity, mass=1.0, **turn, **surface
+        )
+        world.advance(STEP, 8)
+        passed += [seed] if bullet.position[0] > 0.0 else []
+    assert passed == []

@@ -8,34 +8,28 @@ expected to touch, the step is halved (see `kickdrift.world.step.subdivision`), 
 in the shortest parts causes a warning.
 """
 
-import math
-
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import cross, length, minus, turned
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
-from kickdrift.world.collision.body_acceleration import reach
 from kickdrift.world.collision.bvh import Box, gather
-from kickdrift.world.collision.dispatch import extent_of, sort_of
+from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.narrow_phase import smallest
+from kickdrift.world.collision.path_deviation import TURN, deviation, points_are_stale
 from kickdrift.world.collision.predicted_path import (
     POSITION_ERROR,
     TURN_ERROR,
     drop_path,
-    end_error,
     note_path,
     path_error,
     turn_error,
 )
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.collision.swept_boxes import may_meet, swept_box
-from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
     CONTACT_STATE,
     FAST,
-    NORMAL,
     POINTS,
     SENSOR,
     SHAPE_A,
@@ -52,13 +46,11 @@ from kickdrift.world.layout import (
     IS_SENSOR,
     LAST_TREE_NODE,
     LOWER,
-    PLACE_POSITION,
-    PLACED_ORIENTATION,
     RADIUS,
     UPPER,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
-from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
 from kickdrift.world.step.status import (
     BEGIN_AGAIN,
@@ -76,10 +68,8 @@ from kickdrift.world.tables import (
     BOUNDS,
     CONTACT,
     GEOMETRY,
-    MANIFOLD,
     MOVERS,
     PLACE,
-    PLACED,
     PLANES,
     PREDICTED,
     SCRATCH,
@@ -99,22 +89,18 @@ from kickdrift.world.tables import (
 )
 
 _TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
-# Of the radius around the smaller of two shapes: a contact farther beside its points needs a new normal. With 0.25, none of 157
-# balls at 8 m/s comes 0.1 radii into another at 60 steps per second, and 2 pairs a step did without.
-_ASIDE = 0.25
 
 
 @compiled
 def find_missed(t: float, h: float, world: int) -> None:
     """Request that the step is repeated if it has missed a contact."""
     search, status, settings = integers(world, SEARCH), integers(world, STEP_STATUS), floats(world, SETTINGS)
-    if not _find_errors(h, world):
-        return
+    off = _find_errors(h, world)
     size = rows(world, SHAPE) + rows(world, TRIANGLE_TREE) + 2
     if room(world, SCRATCH) < size:
         ask_for_room(world, SCRATCH, size)
         return
-    missed, aside = _find_body(world)
+    missed, aside = _find_body(world, off)
     if missed < 0:
         return
     # A repetition keeps the points that contacts have, and with them their normals.
@@ -162,40 +148,41 @@ def _find_errors(h: float, world: int) -> bool:
         # Smaller differences may be rounding, or the curvature of the path.
         predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
         predicted[row, TURN_ERROR] = farther
-        found = found or off > 0.5 * margin or farther > 0.1
+        found = found or off > 0.5 * margin or farther > TURN
     return found
 
 
 @compiled
-def _find_body(world: int) -> tuple[int, bool]:
-    """Return a body off its expected path that may have missed a shape, or -1.
+def _find_body(world: int, off: bool) -> tuple[int, bool]:
+    """Return a body that may have missed a shape, or -1; only fast contacts are examined if no body is off its expected path.
 
     It has come to a shape with which the step had no points of contact or, then the second result is true, beside the points
-    of a fast contact: these are valid only where they were expected to touch.
+    of a fast contact or past them: these are valid only where they were expected to touch.
     """
     contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
     missed, aside = -1, False
     for row in range(rows(world, CONTACT)):
-        touches = contact[row, POINTS] != 0
-        if (touches and contact[row, CONTACT_STATE] & FAST == 0) or contact[row, CONTACT_STATE] & SENSOR != 0:
+        touches, is_fast = contact[row, POINTS] != 0, contact[row, CONTACT_STATE] & FAST != 0
+        if not (is_fast if touches else off) or contact[row, CONTACT_STATE] & SENSOR != 0:
             continue
         a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+        of_a, of_b = deviation(world, a), deviation(world, b)
+        if touches:
+            if not points_are_stale(world, row):
+                continue
         # A body less deep in another shape than half of its size is pushed out again.
-        size = smallest(place[a, RADIUS], place[b, RADIUS])
-        far = _ASIDE * size if touches else max(margin, 0.5 * size)
-        of_a, of_b = _off(world, a), _off(world, b)
-        if of_a + of_b <= far or (touches and _aside(world, row) <= far) or (missed >= 0 and not touches):
+        elif missed >= 0 or of_a + of_b <= max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS])):
             continue
         if may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
             missed, aside = contact[row, BODY_A if of_a > of_b else BODY_B], touches
             if aside:
                 break
-    if missed >= 0:
+    if missed >= 0 or not off:
         return missed, aside
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
-        if integers(world, SHAPE)[shape, IS_SENSOR] != 0 or _off(world, shape) <= max(
+        if integers(world, SHAPE)[shape, IS_SENSOR] != 0 or deviation(world, shape) <= max(
             margin, 0.5 * place[shape, RADIUS]
         ):
             continue
@@ -206,41 +193,6 @@ def _find_body(world: int) -> tuple[int, bool]:
             own: int = integers(world, SHAPE)[shape, BODY_ROW]
             return own, False
     return -1, False
-
-
-@compiled
-def _aside(world: int, row: int) -> float:
-    """Return how far across the normal of a contact one body is from where the other expected it, m; zero on planes."""
-    contact = integers(world, CONTACT)
-    if sort_of(world, contact[row, SHAPE_A]) == HALF_SPACE:
-        return 0.0
-    turn = quaternion_at(floats(world, PLACED), contact[row, SHAPE_A], PLACED_ORIENTATION)
-    normal = turned(turn, vector_at(floats(world, MANIFOLD), row, NORMAL))
-    off = minus(end_error(world, contact[row, BODY_B]), end_error(world, contact[row, BODY_A]))
-    across: float = length(cross(normal, off))
-    return across
-
-
-@compiled(inline=True)
-def _off(world: int, shape: int) -> float:
-    """Bound the distance of a point of a shape from its expected position."""
-    predicted, body = floats(world, PREDICTED), integers(world, SHAPE)[shape, BODY_ROW]
-    off: float = predicted[body, POSITION_ERROR]
-    if predicted[body, TURN_ERROR] > 0.0:
-        far = reach(floats(world, PLACE), shape)
-        off += min(predicted[body, TURN_ERROR] * far, far - _inner_radius(world, shape))
-    return off
-
-
-@compiled
-def _inner_radius(world: int, shape: int) -> float:
-    """Return the radius of a ball about the centre of mass of its body in a shape that is about as wide as high, m; or zero."""
-    if length(vector_at(floats(world, PLACE), shape, PLACE_POSITION)) > 0.0:
-        return 0.0
-    box, inner = extent_of(world, shape, (1.0, 0.0, 0.0, 0.0)), math.inf
-    for k in range(3):
-        inner = min(inner, min(-box[k], box[3 + k]))
-    return max(inner, 0.0)
 
 
 @compiled
