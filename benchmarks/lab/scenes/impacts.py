@@ -46,6 +46,39 @@ def _grounded_bullets(members: int = 6) -> Trial:
     return Trial("6 boxes at 500 m/s on grounded plates", tuple(scenes), 0.5, criteria, looks=30)
 
 
+def _walls(members: int = 40) -> Trial:
+    """Boxes and capsules of random size fly at a thin wall, of one box or of two triangles, at 50 to 500 m/s."""
+    random, scenes = np.random.default_rng(9), []
+    for member in range(members):
+        builder = Builder(friction=0.0, restitution=random.choice([0.0, 0.5]))
+        corners = [(0.0, y, z) for y, z in ((-5, -5), (5, -5), (5, 5), (-5, 5))]
+        if member % 2:
+            builder.mesh(corners, [(0, 2, 1), (0, 3, 2)])
+        else:
+            builder.box((0.01, 10.0, 10.0), static=True)
+        start = np.array([-random.uniform(1, 3), *random.uniform(-2, 2, 2)])
+        way = np.array([0.0, *random.uniform(-2, 2, 2)]) - start
+        options = {
+            "position": start,
+            "velocity": 10.0 ** random.uniform(1.7, 2.7) * way / np.linalg.norm(way),
+            "angular_velocity": 10.0 * random.normal(size=3),
+            "orientation": random.normal(size=4),
+            "mass": 1.0,
+        }
+        edge = 10.0 ** random.uniform(-1.5, -0.7)
+        if member % 4 < 2:
+            builder.box((2.0 * edge, edge, 0.5 * edge), **options)
+        else:
+            builder.capsule(0.4 * edge, 2.0 * edge, **options)
+        scenes.append(builder.scene())
+
+    def behind(scene: Scene, watched: Watched) -> float:
+        return float(watched.poses[-1, 1, 0])
+
+    criteria = (at_most("behind the wall", "m", behind, 0.0),)
+    return Trial(f"{members} boxes and capsules at 50 to 500 m/s on thin walls", tuple(scenes), 0.2, criteria, looks=12)
+
+
 def _billiards() -> Trial:
     """Break a rack of 15 balls along its axis of symmetry, e = 1: left and right stay mirror images."""
     builder, radius, speed = Builder(0.0, friction=0.0, restitution=1.0), 0.03, 5.0
@@ -142,4 +175,4 @@ def _gas(members: int = 3, count: int = 30) -> Trial:
     return Trial("gas of 30 light and heavy balls between thin walls, e = 1", tuple(scenes), 5.0, criteria)
 
 
-TRIALS = (_bullet("box"), _bullet("ball"), _grounded_bullets(), _billiards(), _dominoes(), _coin(), _gas())
+TRIALS = (_bullet("box"), _bullet("ball"), _grounded_bullets(), _walls(), _billiards(), _dominoes(), _coin(), _gas())

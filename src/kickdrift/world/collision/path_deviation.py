@@ -3,7 +3,7 @@
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus, plus, turned
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus, plus, times, turned
 from kickdrift.world.collision.body_acceleration import reach
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.narrow_phase import smallest
@@ -25,8 +25,11 @@ _ASIDE = 0.25
 def points_are_stale(world: int, row: int) -> bool:
     """Whether the points of a fast contact are not those at which its shapes have met or may still meet."""
     place, contact = floats(world, PLACE), integers(world, CONTACT)
-    size = smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
-    return _aside(world, row) > _ASIDE * size or _has_turned(world, row) or _has_crossed(world, row)
+    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+    far = _ASIDE * smallest(place[a, RADIUS], place[b, RADIUS])
+    if deviation(world, a) + deviation(world, b) > far and _aside(world, row) > far:
+        return True
+    return _has_turned(world, row) or _has_crossed(world, row)
 
 
 @compiled
@@ -67,16 +70,19 @@ def _has_crossed(world: int, row: int) -> bool:
     at_b, turn_b = shape_pose(world, b)
     on_a = plus(at_a, turned(turn_a, vector_at(manifold, row, POINT + ON_A)))
     on_b = plus(at_b, turned(turn_b, vector_at(manifold, row, POINT + ON_B)))
-    if dot(normal, minus(_middle(world, b, at_b, turn_b), on_a)) < 0.0:
+    if _is_past(world, b, at_b, turn_b, on_a, times(-1.0, normal)):
         return True
-    return sort_of(world, a) != SURFACE and dot(normal, minus(_middle(world, a, at_a, turn_a), on_b)) > 0.0
+    return sort_of(world, a) != SURFACE and _is_past(world, a, at_a, turn_a, on_b, normal)
 
 
-@compiled(inline=True)
-def _middle(world: int, shape: int, at: Vector, turn: Quaternion) -> Vector:
-    """Return the middle of the bounds of a shape in a pose."""
+@compiled
+def _is_past(world: int, shape: int, at: Vector, turn: Quaternion, point: Vector, way: Vector) -> bool:
+    """Whether the middle of the bounds of a shape in a pose is past a point of contact; a ball, which no turn moves, is not."""
+    if _inner_radius(world, shape) >= reach(floats(world, PLACE), shape):
+        return False
     box = extent_of(world, shape, turn)
-    return plus(at, (0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5])))
+    middle = plus(at, (0.5 * (box[0] + box[3]), 0.5 * (box[1] + box[4]), 0.5 * (box[2] + box[5])))
+    return dot(minus(middle, point), way) > 0.0
 
 
 @compiled(inline=True)
