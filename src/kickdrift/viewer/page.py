@@ -25,10 +25,10 @@ _TITLE, _END = "<title>Viser</title>", "</body>"  # of viser's page
 # The client of viser takes a camera from the address of its page, which a page in a frame cannot change.
 _STAND_BACK = """
 <script>(() => {
-  const about = %s, aspect = innerWidth / innerHeight, get = URLSearchParams.prototype.get;
+  const ball = %s, aspect = innerWidth / innerHeight, get = URLSearchParams.prototype.get;
   if (!(aspect > 0 && aspect < 1)) return;  // a frame that is hidden has no size
-  const farther = Math.sin(about.half) / Math.sin(Math.atan(aspect * Math.tan(about.half)));
-  const position = about.centre.map((at, axis) => at + farther * about.away[axis]).join();
+  const farther = Math.sin(ball.half) / Math.sin(Math.atan(aspect * Math.tan(ball.half)));
+  const position = ball.centre.map((at, axis) => at + farther * ball.away[axis]).join();
   URLSearchParams.prototype.get = function (name) {
     return get.call(this, name) ?? (name === "initialCameraPosition" ? position : null);
   };
