@@ -31,8 +31,13 @@ class Browser:
         self.nodes, self.gui, self.camera = {}, {}, []
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
+        self.look((0, 0, 1), width, height)
+
+    def look(self, position, width, height):
         self.say(
-            _messages.ViewerCameraMessage((1, 0, 0, 0), (0, 0, 1), 1, 0.1, 10, height, width, (0, 0, 0), (0, 0, 1))
+            _messages.ViewerCameraMessage(
+                (1, 0, 0, 0), tuple(position), 1, 0.1, 10, height, width, (0, 0, 0), (0, 0, 1)
+            )
         )
 
     def say(self, message):

@@ -39,7 +39,7 @@ def floating():
 
 def contrast(tab):
     """By how much colours differ in the middle of the picture, where no words are, from 0 to 255."""
-    pixels = imread(io.BytesIO(tab.screenshot()), format="png")[250:500, 320:600, :3]
+    pixels = imread(io.BytesIO(tab.screenshot()), format="png")[250:500, 200:480, :3]
     return 255 * np.ptp(pixels.reshape(-1, 3), axis=0).max()
 
 
@@ -63,14 +63,24 @@ def test_a_page_plays_pauses_steps_and_resets(browser, floating):
         assert tab.errors == []
 
 
+def test_the_controls_hide_nothing_of_the_world(browser, floating):
+    *_, page = floating
+    with closing(browser.open(page.url)) as tab:
+        tab.until(lambda tab: PLAYING in tab.text, "the world to run")
+        ends = "document.querySelector('canvas').getBoundingClientRect().right"
+        pause = "[...document.querySelectorAll('button')].find(b => b.innerText.trim() === 'Pause')"
+        begins = f"{pause}.getBoundingClientRect().left"
+        assert tab.run(ends) <= tab.run(begins)
+
+
 def test_the_mouse_drags_a_body(browser, floating):
     _, ball, page = floating
     with closing(browser.open(page.url)) as tab:
         tab.until(lambda tab: PLAYING in tab.text, "the world to run")
         assert np.all(ball.position == 0.0)
-        tab.drag((500, 350), (600, 350), release=False)
+        tab.drag((340, 350), (440, 350), release=False)
         until(lambda: ball.position[0] > 0.04, "the ball to follow")  # it turns, too, as its surface is pulled
-        tab.release((600, 350))
+        tab.release((440, 350))
         until(lambda: not page._live.grips, "the spring to go")
         # Where nothing is, the mouse turns the camera, and pulls at no body.
         ball.velocity = (0, 0, 0)

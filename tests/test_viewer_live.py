@@ -363,18 +363,30 @@ def page():
 @pytest.mark.parametrize("aspect", [2.0, 1.0, 0.5, 0.25])
 def test_a_page_that_is_higher_than_wide_is_seen_from_farther_away(page, aspect):
     _, _, page = page
-    half = math.atan(
-        min(aspect, 1.0) * math.tan(math.radians(17.0))
-    )  # of what is seen, from side to side or top to bottom
-    wanted = page._picture._radius / math.sin(half)
     with Browser(page.url, width=40, height=round(40 / aspect)) as browser:
+        until(lambda: sees_all(page, browser, aspect), "the camera to be moved")
 
-        def is_there():
-            return (
-                browser.camera and abs(np.linalg.norm(browser.camera[-1] - page._picture._centre) / wanted - 1) < 1e-6
-            )
 
-        until(is_there, "the camera to be moved")
+def test_a_camera_follows_the_shape_of_its_page_until_its_user_moves_it(page):
+    _, _, page = page
+    with Browser(page.url, width=40, height=40) as browser:
+        until(lambda: browser.camera, "the camera to be placed")
+        for width in (20, 10, 30):  # docked, a panel takes a part of a page that has connected
+            browser.look(browser.camera[-1], width, 40)
+            until(lambda width=width: sees_all(page, browser, width / 40), "the camera to be moved")
+        turned, sent = browser.camera[-1] * (-1, 1, 1), len(browser.camera)
+        for width in (30, 10):
+            browser.look(turned, width, 40)
+        time.sleep(0.3)
+        assert len(browser.camera) == sent
+
+
+def sees_all(page, browser, aspect):
+    """Whether the last place of a camera is as far away as a picture of an aspect, width over height, asks for."""
+    half = math.atan(min(aspect, 1.0) * math.tan(math.radians(17.0)))  # of what is seen, across the smaller side
+    wanted = page._picture._radius / math.sin(half)
+    away = np.linalg.norm(browser.camera[-1] - page._picture._centre) if browser.camera else 0.0
+    return abs(away / wanted - 1) < 1e-6
 
 
 def test_the_page_plays_pauses_steps_and_resets(page, capsys):

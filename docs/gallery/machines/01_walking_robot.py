@@ -36,6 +36,6 @@ figure = walk.plot()
 trunk_at = walk.x[:, trunk.index]
 print(
     f"{trunk_at[-1, 0]:.2f} m in 5 s, {abs(trunk_at[:, 1]).max():.2f} m to the side, "
-    f"the trunk between {trunk_at[200:, 2].min():.2f} and {trunk_at[200:, 2].max():.2f} m high"
+    f"the trunk between {trunk_at[200:, 2].min():.3f} and {trunk_at[200:, 2].max():.3f} m high"
 )
 walk.show()

@@ -16,9 +16,10 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, on_planes
 from kickdrift.viewer.controls import Controls
+from kickdrift.viewer.fit import Fit
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.meshes import Drag, State
-from kickdrift.viewer.page import Stage, place
+from kickdrift.viewer.page import Stage
 from kickdrift.viewer.server import ADDRESS, local_server
 from kickdrift.world.arguments import number
 from kickdrift.world.layout import DYNAMIC
@@ -137,6 +138,7 @@ class LivePage:
         """Draw the world, and its controls; have it begin to run when the page is first opened."""
         server, live, opened = self._server, self._live, threading.Event()
         server.gui.configure_theme(show_logo=False, show_share_button=False)
+        server.gui.main_panel.dock_right()  # a floating one hides part of the world
         self._picture = _Picture(server.scene, server.initial_camera, live, self._hear)
         self._controls = Controls(server.gui, live, self._asked.put)
 
@@ -198,8 +200,7 @@ class _Picture:
 
     def fit(self, camera: Any) -> None:
         """Move the camera of a page that is higher than wide back, as far as needed to see all."""
-        if camera.aspect < 1.0:
-            place(camera, self._centre, self._radius, camera.aspect)
+        Fit(camera, self._centre, self._radius)
 
     def show(self) -> None:
         """Send what has changed."""

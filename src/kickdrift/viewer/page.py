@@ -25,10 +25,10 @@ _TITLE, _END = "<title>Viser</title>", "</body>"  # of viser's page
 # The client of viser takes a camera from the address of its page, which a page in a frame cannot change.
 _STAND_BACK = """
 <script>(() => {
-  const about = %s, aspect = innerWidth / innerHeight, get = URLSearchParams.prototype.get;
+  const ball = %s, aspect = innerWidth / innerHeight, get = URLSearchParams.prototype.get;
   if (!(aspect > 0 && aspect < 1)) return;  // a frame that is hidden has no size
-  const farther = Math.sin(about.half) / Math.sin(Math.atan(aspect * Math.tan(about.half)));
-  const position = about.centre.map((at, axis) => at + farther * about.away[axis]).join();
+  const farther = Math.sin(ball.half) / Math.sin(Math.atan(aspect * Math.tan(ball.half)));
+  const position = ball.centre.map((at, axis) => at + farther * ball.away[axis]).join();
   URLSearchParams.prototype.get = function (name) {
     return get.call(this, name) ?? (name === "initialCameraPosition" ? position : null);
   };
@@ -44,7 +44,8 @@ class Stage(NamedTuple):
 
     def look(self, centre: Floats, radius: float) -> None:
         """Place the camera so that it sees a ball, and the lamps."""
-        distance = place(self.camera, centre, radius)
+        self.camera.position, self.camera.look_at = place_for(centre, radius), centre
+        distance = float(np.linalg.norm(self.camera.position - centre))
         self.camera.up = (0.0, 0.0, 1.0)
         self.camera.fov = _FIELD
         self.scene.configure_environment_map(None)
@@ -54,13 +55,11 @@ class Stage(NamedTuple):
         self.camera.near, self.camera.far = 1e-3 * distance, 1e2 * distance
 
 
-def place(camera: Any, centre: Floats, radius: float, aspect: float = 1.0) -> float:
-    """Place a camera so that it sees a ball, in a picture of an aspect, width over height; return its distance."""
-    ahead = np.array(AHEAD) / np.linalg.norm(AHEAD)
+def place_for(centre: Floats, radius: float, aspect: float = 1.0) -> Floats:
+    """Return from where a camera sees a ball, in a picture of an aspect, width over height."""
     distance = radius / math.sin(math.atan(min(aspect, 1.0) * math.tan(0.5 * _FIELD)))
-    camera.position = centre - distance * ahead
-    camera.look_at = centre
-    return distance
+    result: Floats = centre - distance * np.array(AHEAD) / np.linalg.norm(AHEAD)
+    return result
 
 
 def check_in_memory(solution: Solution) -> None:
@@ -111,7 +110,7 @@ def _serialized(draw: Callable[[Stage], str]) -> Iterator[str]:
 
 
 def _stand_back(camera: Any) -> str:
-    """Return the script that moves the camera of a page that is higher than wide back, as `place` does."""
+    """Return the script that moves the camera of a page that is higher than wide back, as `place_for` does."""
     centre, away = np.array(camera.look_at), np.array(camera.position) - np.array(camera.look_at)
     return _STAND_BACK % json.dumps({"half": 0.5 * _FIELD, "centre": centre.tolist(), "away": away.tolist()})
 
