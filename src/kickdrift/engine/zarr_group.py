@@ -120,7 +120,7 @@ class ZarrGroup:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Name the user's argument in errors of the file system, and of damaged files; silence warnings on unspecified features."""
+        """Name the user's argument in errors of files, missing or damaged; silence Zarr's warnings of unspecified features."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # consolidated metadata, and texts
