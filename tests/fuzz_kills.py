@@ -141,7 +141,48 @@ def ensemble(folder):
     return sol.t, sol.x, sol.v
 
 
+def streamed_events(folder):
+    """Run a comet whose steps vary, whose crossings are kept, and whose rows go to disk."""
+    with to_disk(folder, checkpoint=..., checkpoint_every=10_000) as (options, read):
+        control = {"step": 0.01, "step_control": "distance", "method": "stormer-verlet"}
+        sol = kd.solve(kd.systems.kepler(0.9), (0.0, 1e5), save_every=5, events=crossing, **control, **options)
+        return *read(), *sol.t_events, *sol.x_events
+
+
+def bouncing(folder):
+    """Run a ball on a shaken table, with its crests."""
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 2000}
+    sol = kd.solve(
+        lambda x: 0 * x - 9.81,
+        (0.0, 400.0),
+        [1.0],
+        [0.0],
+        step=0.01,
+        impacts=kd.Impacts(lambda t, x: x[0] - 0.1 * np.sin(9.0 * t), restitution=0.8),
+        events=lambda v: v[0],
+        **options,
+    )
+    return sol.t, sol.x, sol.v, *sol.t_events
+
+
+def ensemble_with_events(folder):
+    """Run members that end at a zero of their own, one after the other."""
+
+    def far(x):
+        return x[0] + 0.9
+
+    far.terminal = 60
+    options = {} if folder is None else {"checkpoint": folder / "run", "checkpoint_every": 20}
+    kepler = kd.systems.kepler()
+    x0 = kepler.x0 + 0.1 * np.random.default_rng(0).normal(size=(400, 2))
+    sol = kd.solve_ensemble(kepler, (0.0, 300.0), x0, step=0.01, save_every=100, events=far, **options)
+    return sol.t, sol.x, sol.v, *(np.concatenate(sol.t_last), np.concatenate([own[0] for own in sol.t_events]))
+
+
 KINDS = {
+    "streamed events": streamed_events,
+    "bouncing": bouncing,
+    "ensemble with events": ensemble_with_events,
     "plain": plain,
     "streamed": streamed,
     "events": events,

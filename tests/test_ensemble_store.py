@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import signal
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 
 import counting_writes
 import numpy as np
@@ -373,3 +374,15 @@ def test_folders_of_runs_that_have_not_ended_are_no_solutions(tmp_path):
         kd.load(tmp_path / "run.zarr")
     with pytest.raises(FileFormatError, match="a folder without"):
         kd.load(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["step/c/0", "message/c/0", "last/c/0", "status/c/0", "x/c/0/0"])
+@pytest.mark.parametrize("content", [b"", b"{}", b"\xff\x00\x01"])
+def test_a_damaged_folder_is_said_to_be(name, content, tmp_path):
+    run = partial(
+        kd.solve_ensemble, kd.systems.pendulum(), (0.0, 1.0), [0.1, 0.2], step=0.1, save_to=tmp_path / "run.zarr"
+    )
+    run()
+    (tmp_path / "run.zarr" / name).write_bytes(content)
+    with pytest.raises(FileFormatError, match=r"run\.zarr.* (damaged|cannot be read)"):
+        np.asarray(run().x)

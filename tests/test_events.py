@@ -157,6 +157,25 @@ def test_zeros_within_a_step_are_found_with_a_bound_of_the_rate_and_missed_witho
     np.testing.assert_allclose(sol.t_events[0], [0.52], atol=1e-13)
 
 
+@pytest.mark.parametrize("ensemble", [False, True])
+def test_a_bound_of_the_rate_that_is_refuted_ends_the_run(ensemble):
+    """Zeros between steps would be missed: of 63, 5 were found."""
+    blink = with_attributes(lambda t, x: np.cos(40 * t) - 0.999 + 0 * x[0], rate_bound=1.0)
+    options = {"step": 0.05, "method": "velocity-verlet", "events": blink}
+    if ensemble:
+        starts = np.ones((3, 1)), np.zeros((3, 1))
+        sol = kd.solve_ensemble(lambda x: -x, (0.0, 5.0), *starts, **options)[2]
+    else:
+        sol = kd.solve(lambda x: -x, (0.0, 5.0), [1.0], [0.0], **options)
+    assert (sol.status, sol.n_steps) == (Outcome.FAILED, 0)
+    assert (
+        "changes by 1.42 in the step of 0.05 to t=0.05, faster than its rate_bound=1.0; give a larger one"
+        in sol.message
+    )
+    blink.rate_bound = 40.0
+    assert kd.solve(lambda x: -x, (0.0, 5.0), [1.0], [0.0], **options).success
+
+
 def test_rows_do_not_depend_on_events_beyond_rounding_and_on_nothing_saved():
     def crossing(x):
         return x[0]

@@ -252,3 +252,29 @@ def test_spheres_that_are_heaped_in_a_box_come_to_rest_above_each_other():
     assert (energy - np.minimum.accumulate(energy)).max() < 1e-3
     assert np.abs(sol.v[-1]).max() < 1e-10
     assert sol.x[:, :, 1].min() > radius - 1e-10
+
+
+@pytest.mark.parametrize(
+    ("rough", "slope", "restitution", "speed"),
+    [
+        (0.41420427767733514, 0.20794196369588297, 0.3041138976269706, -0.6107096782695494),
+        (0.8666165802632689, 0.42595770159821505, 0.7974163820535856, -0.18250262333874545),
+    ],
+)
+def test_a_slip_that_ends_soon_after_the_last_bounce_sticks(rough, slope, restitution, speed):
+    """It was lost in the steps that were tried for its end, and the run ended there."""
+    normal = np.array([-np.sin(slope), np.cos(slope)])
+    sol = kd.solve(
+        lambda x: np.array([0.0, -9.81]),
+        (0.0, 6.0),
+        [normal[0], normal[1] + 0.2],
+        [speed, 0.0],
+        step=0.01,
+        impacts=kd.Impacts(
+            lambda x, params: params[1] * x[1] - params[0] * x[0], restitution=restitution, friction=rough
+        ),
+        args=[np.sin(slope), np.cos(slope)],
+        method="velocity-verlet",
+    )
+    assert sol.success
+    assert abs(sol.v[-1]).max() == 0.0

@@ -18,7 +18,7 @@ from kickdrift.engine.grid import Grid
 from kickdrift.engine.in_turn import Members, states_wanted
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
-from kickdrift.engine.zeros import Brackets, find_changes, hidden, search, tolerance_of
+from kickdrift.engine.zeros import Brackets, find_changes, hidden, search, tolerance_of, too_fast
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -140,7 +140,10 @@ class WatchedMembers:
         rows, own = t.size, self._events[event]
         flat = x.reshape(-1, *x.shape[2:]), v.reshape(-1, *v.shape[2:])
         values = self._values(event, np.tile(t, which.size), *flat, which)
-        bad = np.asarray(np.isnan(values.reshape(which.size, rows)).any(axis=1))
+        of_members = values.reshape(which.size, rows)
+        bad = np.asarray(np.isnan(of_members).any(axis=1))
+        if own.rate_bound is not None:
+            bad |= too_fast(t, of_members, own.rate_bound).any(axis=1)
         self._leave(which[bad])
         room = np.empty(values.size, dtype=np.int64)
         inside = np.append(np.arange(values.size - 1) % rows != rows - 1, False) & ~np.repeat(bad, rows)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
+from kickdrift.core.errors import ArgumentError, FileFormatError, KickdriftError, missing_extra
 from kickdrift.core.locking import FileLock, LockedError
 
 _RUN = "kickdrift_run"  # attribute with the identity of the run
@@ -120,11 +120,18 @@ class ZarrGroup:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Name the user's argument in errors of the file system; silence Zarr's warnings about unspecified features."""
+        """Name the user's argument in errors of files, missing or damaged; silence Zarr's warnings of unspecified features."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # consolidated metadata, and texts
                 yield
+        except KickdriftError:
+            raise
+        except (LookupError, TypeError, ValueError) as error:
+            raise FileFormatError(
+                f"save_to={str(self.path)!r} is damaged ({type(error).__name__}: {error}); remove it to start again, or name"
+                " another folder."
+            ) from error
         except OSError as error:
             raise FileFormatError(
                 f"save_to={str(self.path)!r} cannot be written: {error.strerror or error}; choose another folder."

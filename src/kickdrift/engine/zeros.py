@@ -91,6 +91,13 @@ def changes(parts: Brackets) -> NDArray[np.bool_]:
     return np.asarray(((first < 0.0) & (last >= 0.0)) | ((first > 0.0) & (last <= 0.0)))
 
 
+def too_fast(t: Floats, values: Floats, bound: float) -> NDArray[np.bool_]:
+    """Whether a function changes faster in steps than the bound of its rate, along the last axis, but for rounding."""
+    way = bound * np.abs(np.diff(t))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.abs(np.diff(values)) > (1.0 + 1e-6) * way + 1e-12 * np.abs(values[..., 1:]))
+
+
 def hidden(
     steps: Brackets, bound: float, value_at: Callable[[NDArray[np.intp], Brackets, Floats], Floats]
 ) -> tuple[Brackets, NDArray[np.intp]]:

@@ -203,11 +203,11 @@ class MemberStore(ZarrGroup):
             done = np.flatnonzero(status != "")
             for name, (field, *_) in _OF_MEMBERS.items():
                 getattr(results, field)[done] = self._group[name][:][done]
-        for i in done:
-            results.status[i], results.messages[i] = Outcome[str(status[i])], str(messages[i])
-            results.last[i] = read(str(last[i]), results.x.shape[2:], results.v.shape[2:])
-            if prepared.events:
-                results.zeros[i] = read(str(events[i]), results.x.shape[2:], results.v.shape[2:])
+            for i in done:
+                results.status[i], results.messages[i] = Outcome[str(status[i])], str(messages[i])
+                results.last[i] = read(str(last[i]), results.x.shape[2:], results.v.shape[2:])
+                if prepared.events:
+                    results.zeros[i] = read(str(events[i]), results.x.shape[2:], results.v.shape[2:])
         results.done[done] = True
 
 

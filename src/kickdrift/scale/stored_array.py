@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError
+from kickdrift.core.errors import ArgumentError, FileFormatError
 
 
 class StoredArray:
@@ -43,7 +43,7 @@ class StoredArray:
         return (self[i] for i in range(len(self)))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        return np.asarray(self._array[...], dtype=dtype)
+        return np.asarray(self[...], dtype=dtype)
 
     def __getitem__(self, key: Any) -> Any:
         """Read elements given by integers, slices in either direction, and for one dimension a list or a mask.
@@ -52,11 +52,19 @@ class StoredArray:
         ------
         ArgumentError
             For another index.
+        FileFormatError
+            If the files are damaged.
         """
         places = [self._place(axis, part) for axis, part in enumerate(self._parts(key))]
         if sum(isinstance(place, np.ndarray) for place in places) > 1:
             raise self._refused(key, "has lists for more than one dimension")
-        read = self._array.oindex[tuple(_forwards(place) for place in places)]
+        try:
+            read = self._array.oindex[tuple(_forwards(place) for place in places)]
+        except (OSError, LookupError, TypeError, ValueError) as error:
+            raise FileFormatError(
+                f"the array {self._array.name!r} in {self._array.store} cannot be read ({type(error).__name__}: {error}); it"
+                " is damaged: remove the folder, and repeat the call that wrote it."
+            ) from error
         kept = [place for place in places if not isinstance(place, int)]
         return read[tuple(slice(None, None, -1 if isinstance(p, slice) and p.step < 0 else 1) for p in kept)]
 

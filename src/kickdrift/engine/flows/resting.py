@@ -154,7 +154,7 @@ def hold_to_surfaces(t: float, h: float, x: Floats, v: Floats, work: Floats) -> 
     n, listed = x.size, int(own_params(work)[LISTED])
     impulse, used, square = row_of(IMPULSE, work), row_of(USED, work), row_of(SQUARE, work)
     find_gradients(t - h, saved(n, 0, n, work), v, work)
-    find_sliding(h, x, work)
+    find_sliding(x, work)
     for k in range(listed):
         impulse[k] = used[k] = 0.0
     reach(t, h, x, v, work)

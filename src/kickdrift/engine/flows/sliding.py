@@ -58,14 +58,17 @@ def along(k: int, a: Floats, b: Floats, work: Floats) -> float:
 
 
 @compiled
-def find_sliding(h: float, x: Floats, work: Floats) -> None:
-    """Note the slip speeds of the listed gaps at the start of a step that can be cut: zero for those that stick."""
+def find_sliding(x: Floats, work: Floats) -> None:
+    """Note the slip speeds of the listed gaps at the start of a step that can be cut: zero for those that stick.
+
+    Which do must not depend on the size that is tried, or the slip that it was chosen by is not found at its end.
+    """
     own, slides, row, start = own_params(work), row_of(SLIDES, work), row_of(LIST, work), saved(x.size, 1, x.size, work)
     for k in range(int(own[LISTED])):
         slides[k] = 0.0
         if own[LOCATED] != 0.0 and row_of(FRICTION, work)[int(row[k])] > 0.0:
             speed = math.sqrt(max(along(k, start, start, work), 0.0))
-            slides[k] = speed if speed * abs(h) > TOUCHES * size_of(x, work) else 0.0
+            slides[k] = speed if speed * abs(work[FIRST_STEP]) > TOUCHES * size_of(x, work) else 0.0
 
 
 @compiled
