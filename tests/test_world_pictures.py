@@ -479,7 +479,9 @@ def test_films_that_cannot_be_written(falling, tmp_path, small_pictures, monkeyp
     with pytest.raises(FileFormatError, match="cannot be written"):
         falling.plot(tmp_path / "missing" / "film.png")
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(FileFormatError, match="needs the program ffmpeg, which was not found; install it"):
+    with pytest.raises(
+        FileFormatError, match=r"[/\\]film\.mp4' needs the program ffmpeg, which was not found; install it"
+    ):
         falling.animate(tmp_path / "film.mp4")
     assert list(tmp_path.iterdir()) == []
 

@@ -71,6 +71,8 @@ def animate_recording(
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())
     if write is None:
         raise FileFormatError(f"path={str(path)!r} cannot be written: animations end in .gif or .mp4.")
+    if write is _write_mp4:
+        _check_ffmpeg(path)
     try:
         with closing(_Film(recording, speed, int(rate), progress)) as film, written(target) as partial:
             write(film, partial)
@@ -192,7 +194,8 @@ def _palette(samples: Iterator[Pixels]) -> Any:
     return palette
 
 
-def _write_mp4(film: _Film, path: Path) -> None:
+def _check_ffmpeg(path: str | Path) -> None:
+    new_figure(1.0, 1.0, "")  # says so where matplotlib is missing
     from matplotlib.animation import FFMpegWriter
 
     if not FFMpegWriter.isAvailable():
@@ -200,6 +203,11 @@ def _write_mp4(film: _Film, path: Path) -> None:
             f"path={str(path)!r} needs the program ffmpeg, which was not found; install it, or use a name that ends in"
             " .gif."
         )
+
+
+def _write_mp4(film: _Film, path: Path) -> None:
+    from matplotlib.animation import FFMpegWriter
+
     writer = FFMpegWriter(fps=film.rate)
     with writer.saving(film.figure, str(path), _DPI):
         for _ in film:
