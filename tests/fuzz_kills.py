@@ -176,7 +176,8 @@ def ensemble_with_events(folder):
     kepler = kd.systems.kepler()
     x0 = kepler.x0 + 0.1 * np.random.default_rng(0).normal(size=(400, 2))
     sol = kd.solve_ensemble(kepler, (0.0, 300.0), x0, step=0.01, save_every=100, events=far, **options)
-    return sol.t, sol.x, sol.v, *(np.concatenate(sol.t_last), np.concatenate([own[0] for own in sol.t_events]))
+    rows = sol.x.view(np.int64), sol.v.view(np.int64)  # with NaN after their ends
+    return sol.t, *rows, np.concatenate(sol.t_last), np.concatenate([own[0] for own in sol.t_events])
 
 
 KINDS = {

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError
 from kickdrift.engine.event_functions import Event, check_path
+from kickdrift.engine.event_values import first_bad
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.strikes import Strikes, strikes_at
@@ -30,7 +31,6 @@ from kickdrift.engine.zeros import (
     search,
     spent_from,
     tolerance_of,
-    too_fast,
 )
 from kickdrift.systems.system import System
 
@@ -132,7 +132,7 @@ class Watch:
         count, self._sign = t.size - 1, math.copysign(1.0, t[-1] - t[0])
         xs, vs = np.concatenate((self._x, xs)), np.concatenate((self._v, vs))
         values = [self._values(k, t, xs, vs) for k in range(len(self.events))]
-        bad, why = self._first_bad(t, values)
+        bad, why = first_bad(self.events, t, values, jumps=self._surfaces is not None)
         steps = count if bad is None else max(bad - 1, 0)
         strikes = self._strikes(t[: steps + 1], xs[: steps + 1], vs[: steps + 1], values)
         for k, value in enumerate(values):
@@ -161,27 +161,6 @@ class Watch:
             failure = why
         self._x, self._v = xs[steps : steps + 1], vs[steps : steps + 1]
         return Found(steps, stop, failure, any(zero is stop for zero in self._jumps))
-
-    def _first_bad(self, t: Floats, values: list[Floats]) -> tuple[int | None, str]:
-        """Return the first row at which a value is NaN, or refutes the bound of its rate, and a sentence on it."""
-        found: int | None = None
-        why = ""
-        for event, value in zip(self.events, values, strict=True):
-            nan = np.isnan(value)
-            bad = nan.copy()
-            if event.rate_bound is not None and self._surfaces is None:  # which change velocities at once
-                bad[1:] |= too_fast(t, value, event.rate_bound)
-            if bad.any() and (found is None or int(np.argmax(bad)) < found):
-                found = int(np.argmax(bad))
-                now = f"t={float(t[found])!r}"
-                why = f" {event.name}, returned NaN at {now}."
-                if not nan[found]:
-                    why = (
-                        f" {event.name}, changes by {abs(value[found] - value[found - 1]):.3g} in the step of"
-                        f" {abs(t[found] - t[found - 1]):.3g} to {now}, faster than its rate_bound={event.rate_bound!r};"
-                        " give a larger one."
-                    )
-        return found, why
 
     def _values(self, event: int, t: Floats, x: Floats, v: Floats) -> Floats:
         return evaluate_quantity(self.events[event].quantity, self._system, t, x, v)

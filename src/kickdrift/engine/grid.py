@@ -281,9 +281,8 @@ def _wanted_times(t_eval: ArrayLike, t0: float, t1: float) -> NDArray[np.float64
     rounding = 1e-12 * abs(t1 - t0) + 4 * np.spacing(max(abs(t0), abs(t1)))
     outside = ~((times >= min(t0, t1) - rounding) & (times <= max(t0, t1) + rounding))
     if outside.any():
-        bad = float(times[outside][0])
         raise ArgumentError(
-            f"t_eval={bad!r} lies outside t_span=({t0!r}, {t1!r}); leave this time out or extend t_span."
+            f"t_eval={float(times[outside][0])!r} lies outside t_span=({t0!r}, {t1!r}); leave this time out or extend t_span."
         )
     return times
 

@@ -140,8 +140,7 @@ class WatchedMembers:
         rows, own = t.size, self._events[event]
         flat = x.reshape(-1, *x.shape[2:]), v.reshape(-1, *v.shape[2:])
         values = self._values(event, np.tile(t, which.size), *flat, which)
-        of_members = values.reshape(which.size, rows)
-        bad = np.asarray(np.isnan(of_members).any(axis=1))
+        bad = np.asarray(np.isnan(of_members := values.reshape(which.size, rows)).any(axis=1))
         if own.rate_bound is not None:
             bad |= too_fast(t, of_members, own.rate_bound).any(axis=1)
         self._leave(which[bad])

@@ -6,16 +6,13 @@ from functools import partial
 from types import FunctionType
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from kickdrift.core.arguments import real
 from kickdrift.core.errors import ArgumentError, missing_extra
 from kickdrift.systems.hamiltonian import Hamiltonian, Separable
+from kickdrift.systems.mass_matrix import refuse_start
 from kickdrift.systems.problem import AT_START, OF_SHAPE
 from kickdrift.systems.second_order import SecondOrder
 
-Floats = NDArray[np.float64]
 _OWN = "kickdrift:"  # prefix of the names of the code's own symbols, which no user's symbol has
 
 
@@ -133,23 +130,8 @@ def from_lagrangian(
     total = sum(momentum * symbol for momentum, symbol in zip(momenta, v, strict=True)) - energy
     acceleration = formulas.solution("acceleration", mass, push)
     lower = [mass[i][j] for i in range(len(x)) for j in range(i + 1)]
-    vars(acceleration)[AT_START] = partial(_refuse_start, formulas.function("mass", "xv", lower), len(x))
+    vars(acceleration)[AT_START] = partial(refuse_start, formulas.function("mass", "xv", lower), len(x))
     return SecondOrder(acceleration, formulas.function("energy", "xv", [total], scalar=True))
-
-
-def _refuse_start(mass: FunctionType, size: int, t: float, x: Floats, v: Floats) -> None:
-    """Refuse a start where the masses, the lower half of a matrix as a function of the state, are not positive definite."""
-    given: dict[str, Any] = {"t": t, "x": x[()], "v": v[()], "out": np.zeros(size * (size + 1) // 2)}
-    names = mass.__code__.co_varnames[: mass.__code__.co_argcount]
-    returned = mass(**{name: given[name] for name in names})
-    matrix = np.zeros((size, size))
-    matrix[np.tril_indices(size)] = given["out"] if returned is None else returned
-    least = np.linalg.eigvalsh(matrix).min() if np.isfinite(matrix).all() else 1.0
-    if not least > 0.0:
-        raise ArgumentError(
-            f"lagrangian has a kinetic energy that is not positive definite at x0={x.tolist()!r}: the least eigenvalue"
-            f" of its masses is {least:.3g} there. Start elsewhere, or check its signs."
-        )
 
 
 class _Formulas:
