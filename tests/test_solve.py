@@ -78,7 +78,6 @@ def test_benchmarks_game_after_five_million_steps():
         (np.asfortranarray(np.arange(6.0).reshape(2, 3)), np.zeros((2, 3)), (2, 3)),
         (np.ones((2, 3, 2)), np.zeros((2, 3, 2)), (2, 3, 2)),
         (np.arange(10.0)[::2], np.zeros(5), (5,)),
-        (True, False, ()),
     ],
 )
 def test_states_keep_their_shape(x0, v0, shape):

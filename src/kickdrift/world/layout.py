@@ -89,6 +89,9 @@ LEFT_TURN = column(KICKED, 3, "rad/s")  # angular velocity after the last drift
 LEFT_POSE = column(KICKED, 4)  # orientation after the last drift
 KICK = column(KICKED)  # WHOLE_KICK, before the drift; HALF_KICK before and half after it; or FREE_KICK, in free flight
 NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
+# Of impacts in the substep: the last round in which the body was hit, and the last sweep over it that changed its velocity
+LAST_ROUND = column(KICKED)
+LAST_SWEEP = column(KICKED)
 
 WHOLE_KICK, HALF_KICK, FREE_KICK = 0.0, 1.0, 2.0
 

@@ -2,6 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.active_impacts import BOUNCING_CONTACT
 from kickdrift.world.contacts.impact_motion import constraint, is_moved
 from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES
 from kickdrift.world.layout import NEXT_IMPACT
@@ -50,7 +51,7 @@ def join_touching(world: int) -> None:
     while known < count:
         known = count
         for k in range(rows(world, BOUNCING)):
-            row = bouncing[k, 0]
+            row = bouncing[k, BOUNCING_CONTACT]
             if constraint(world, row)[c.REFERENCE * c.WIDTH] != c.HIT:
                 continue
             own_a, own_b, joins, when = contact[row, c.BODY_A], contact[row, c.BODY_B], False, 0.0

@@ -25,6 +25,7 @@ from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.active_impacts import BOUNCING_CONTACT, HITS_NOT, begin_rounds, is_quiet, note_hit
 from kickdrift.world.contacts.bounce_time import find_time, rests
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
@@ -81,7 +82,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
         if e > 0.0 or not linked:
             constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(substep, world, row)
         if not linked:
-            bouncing[count, 0] = row
+            bouncing[count, BOUNCING_CONTACT] = row
             count += 1
     set_rows(world, BOUNCING, count)
 
@@ -133,9 +134,10 @@ def bounce(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts within the substep."""
     if rows(world, BOUNCING) == 0:
         return
+    begin_rounds(world)
     body, first, fastest, near = 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
     for n in range(_ROUNDS):
-        fastest, together = _find_round(h, world), n >= _APART
+        fastest, together = _find_round(n, h, world), n >= _APART
         first = max(first, fastest)
         if fastest == 0.0 or (together and fastest <= _SLOW * first):
             break
@@ -155,6 +157,8 @@ def bounce(t: float, h: float, world: int) -> None:
             a, b = bodies_of(world, hit)
             leave_impact(h, world, a)
             leave_impact(h, world, b)
+            note_hit(world, a, n)
+            note_hit(world, b, n)
             own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
             own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit else c.MISSED
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
@@ -162,7 +166,7 @@ def bounce(t: float, h: float, world: int) -> None:
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
     else:
-        fastest = _find_round(h, world)
+        fastest = _find_round(_ROUNDS, h, world)
     if fastest > max(_ROUGH * first, near / h):
         warn_of_impacts(world, body, t)
 
@@ -212,23 +216,30 @@ def _pressing_acceleration(world: int, row: int) -> float:
 
 
 @compiled
-def _find_round(h: float, world: int) -> float:
-    """Find the hits that are the first on both of their bodies; return the speed of the fastest, m/s, or 0.0 without any."""
+def _find_round(n: int, h: float, world: int) -> float:
+    """Find the hits of a round, the first on both of their bodies; return the speed of the fastest, m/s, or 0.0 without any.
+
+    Contacts that did not hit are examined again only where the last round, n - 1, has hit one of their bodies.
+    """
     impact, kicked, contact = floats(world, IMPACT), floats(world, KICKED), integers(world, CONTACT)
     found, fastest = 0, 0.0
     bouncing, place = integers(world, BOUNCING), floats(world, PLACE)
     for k in range(rows(world, BOUNCING)):
-        row = bouncing[k, 0]
+        row = bouncing[k, BOUNCING_CONTACT]
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        if is_quiet(world, k, n):
+            continue
         if constraint(world, row)[c.REFERENCE * c.WIDTH] == c.MISSED:
             continue
+        bouncing[k, HITS_NOT] = 1
         if _find_times(h, world, row, impact[found]):
+            bouncing[k, HITS_NOT] = 0
             fastest = max(fastest, impact[found, SPEED])
             impact[found, ROW] = row
             impact[found, BOUNCE] = max(
                 place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION]
             )
-            kicked[contact[row, c.BODY_A], NEXT_IMPACT] = math.inf
-            kicked[contact[row, c.BODY_B], NEXT_IMPACT] = math.inf
+            kicked[a, NEXT_IMPACT] = kicked[b, NEXT_IMPACT] = math.inf
             found += 1
     for hit in range(found):
         if impact[hit, SPEED] <= _NOISE * fastest:

@@ -14,6 +14,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
 from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.active_impacts import begin_sweeps, may_change, note_change
 from kickdrift.world.contacts.impact_motion import arms_now, constraint, normal_at, vector_of
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -204,12 +205,18 @@ def find_impulses(world: int, sweeps: int) -> None:
     """Find and apply the impulses of a round, in a limited number of sweeps; the next round resolves the rest."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     scale = 0.0
-    for _ in range(sweeps):
-        largest = 0.0
+    for hit in range(count):
+        begin_sweeps(world, int(impact[hit, ROW]))
+    for sweep in range(sweeps):
+        settled = True
         for hit in range(count):
-            largest = max(largest, _sweep_points(world, impact[hit], True, 0.0, False))
-            scale = max(scale, pushed(impact[hit]))
-        if largest <= _TOLERANCE * scale:
+            if may_change(world, int(impact[hit, ROW]), sweep):
+                change = _sweep_points(world, impact[hit], True, 0.0, False)
+                scale = max(scale, pushed(impact[hit]))
+                if change > _TOLERANCE * scale:
+                    note_change(world, int(impact[hit, ROW]), sweep)
+                    settled = False
+        if settled:
             break
     rough = False
     for hit in range(count):
@@ -222,11 +229,17 @@ def find_impulses(world: int, sweeps: int) -> None:
             _find_friction(world, scale, sweeps)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
-    for _ in range(sweeps):
-        largest = 0.0
+    for hit in range(count):
+        begin_sweeps(world, int(impact[hit, ROW]))
+    for sweep in range(sweeps):
+        settled = True
         for hit in range(count):
-            largest = max(largest, _sweep_points(world, impact[hit], False, 0.0, True))
-        if largest <= _TOLERANCE * scale:
+            if may_change(world, int(impact[hit, ROW]), sweep):
+                change = _sweep_points(world, impact[hit], False, 0.0, True)
+                if change > _TOLERANCE * scale:
+                    note_change(world, int(impact[hit, ROW]), sweep)
+                    settled = False
+        if settled:
             return
 
 
@@ -239,12 +252,18 @@ def _find_friction(world: int, scale: float, sweeps: int) -> None:
         for k in range(4):
             total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
-    for _ in range(sweeps):
-        largest = 0.0
+    for hit in range(count):
+        begin_sweeps(world, int(impact[hit, ROW]))
+    for sweep in range(sweeps):
+        settled = True
         for hit in range(count):
-            largest = max(largest, _sweep_friction(world, impact[hit]))
-            largest = max(largest, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
-        if largest <= _TOLERANCE * scale:
+            if may_change(world, int(impact[hit, ROW]), sweep):
+                change = _sweep_friction(world, impact[hit])
+                change = max(change, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
+                if change > _TOLERANCE * scale:
+                    note_change(world, int(impact[hit, ROW]), sweep)
+                    settled = False
+        if settled:
             return
 
 
