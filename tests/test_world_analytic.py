@@ -149,6 +149,31 @@ def test_as_many_balls_of_newtons_cradle_leave_as_arrive(raised, gap):
     assert world.velocity[1:, 0] == pytest.approx([0.0] * (5 - raised) + [2.0] * raised, abs=1e-9)
 
 
+def test_a_hit_passes_through_a_row_of_balls_with_gaps_within_a_step():
+    """The last ball goes on with the whole velocity, from the time of its impact; all others stand."""
+    world, gap = World(gravity=(0, 0, 0)), 1e-3
+    first = world.add_sphere(0.1, position=(-0.2 - gap, 0, 0), velocity=(5, 0, 0), restitution=1, friction=0)
+    row = [world.add_sphere(0.1, position=((0.2 + gap) * k, 0, 0), restitution=1, friction=0) for k in range(6)]
+    world.advance(1 / 60, 3)
+    ends = [ball.position[0] for ball in (first, *row)]
+    assert np.allclose(ends[:-1], [(0.2 + gap) * k + gap for k in range(-1, 5)], rtol=0, atol=1e-14)
+    assert abs(ends[-1] - 5 * (0.2 + gap) - (5 * 3 / 60 - 6 * gap)) < 1e-14
+
+
+def test_a_ball_that_hits_two_at_once_comes_back_with_a_fifth_of_its_speed():
+    """Impulses J at 30 degrees to the path: J (1 + 2 cos^2 30) / m = 2 v cos 30, so J = 0.4 sqrt(3) m v."""
+    world = World(gravity=(0, 0, 0))
+    ball = world.add_sphere(0.1, velocity=(1, 0, 0), restitution=1, friction=0)
+    two = [
+        world.add_sphere(0.1, position=(0.2 * math.cos(math.pi / 6) + 0.005, side, 0), restitution=1, friction=0)
+        for side in (-0.1, 0.1)
+    ]
+    world.advance(1 / 60, 2)
+    assert np.allclose(ball.velocity, (-0.2, 0, 0), rtol=0, atol=1e-9)
+    for other, side in zip(two, (-1, 1), strict=True):
+        assert np.allclose(other.velocity, (0.6, side * 0.2 * math.sqrt(3), 0), rtol=0, atol=1e-9)
+
+
 def test_a_light_ball_is_thrown_off_a_heavy_one():
     for mass in (3.0, 10.0, 100.0):
         world = World()
