@@ -8,6 +8,7 @@ from contextvars import ContextVar
 from typing import Any
 
 _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
+_MANY = 10_000  # from which steps are counted in thousands and millions; fewer would be "3.00/51.0"
 
 
 class Bar:
@@ -27,7 +28,8 @@ class Bar:
         if self._tell is not None:
             self._tell(step)
         if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:
-            self._bar = _tqdm()(total=self._n_steps, unit=self._unit, unit_scale=True, leave=False, file=sys.stderr)
+            many = self._n_steps >= _MANY
+            self._bar = _tqdm()(total=self._n_steps, unit=self._unit, unit_scale=many, leave=False, file=sys.stderr)
         if self._bar is not None:
             self._bar.update(step - self._bar.n)
 
