@@ -67,9 +67,8 @@ from kickdrift.world.tables import (
 )
 
 _ROUNDS = 40
-_PART = (
-    0.1  # of the radius of a shape: how far from a triangle it counts as near, and the way it goes on beside its face
-)
+# Of the radius of a shape: how far from a triangle it counts as near, and the way it goes on beside its face
+_PART = 0.1
 
 
 @compiled
@@ -93,26 +92,19 @@ def _advance(world: int, row: int, way: float) -> None:
     near = 1e-3 * smallest(place[contact[row, SHAPE_A], RADIUS], place[contact[row, SHAPE_B], RADIUS])
     step, pushed = settings[0, STEP], closing_acceleration(world, row)
     when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
-    # Manifolds of a triangle and a shape that is far from it may be those of an edge that does not separate them.
     ball = place[contact[row, SHAPE_B], RADIUS]
     apart = max(settings[0, MARGIN] + step * step * pushed, _PART * ball)
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
         until = next_change(world, b, when, next_change(world, a, when, step))
         approach = _approach(world, a, b, when)
-        if on_surface:
-            out, height = beside_triangle(_triangle(world, row), at)
-            distance = length(out)
-            if height < -ball:
-                contact[row, POINTS] = 0
-                return
-            if distance - ball > apart:
-                left = _until(distance - ball, spin - dot(turned(turn_a, out), approach) / distance, pushed)
-                if left >= until - when and until == step:
-                    contact[row, POINTS] = 0
-                    return
-                when = min(when + left, until)
-                continue
+        left = _until_near(world, row, at, turn_a, approach, spin, pushed, apart) if on_surface else 0.0
+        if left < 0.0 or (left > 0.0 and left >= until - when and until == step):
+            contact[row, POINTS] = 0
+            return
+        if left > 0.0:
+            when = min(when + left, until)
+            continue
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
         if contact[row, POINTS] == 0:
             if not on_surface or when >= step:
@@ -134,6 +126,24 @@ def _advance(world: int, row: int, way: float) -> None:
         # The plane of a face that shapes approach from behind would stop them at once.
         if _gap_at_start(world, row) < -near - spin * when:
             contact[row, POINTS] = 0
+
+
+@compiled
+def _until_near(
+    world: int, row: int, at: Vector, turn_a: Quaternion, approach: Vector, spin: float, pushed: float, apart: float
+) -> float:
+    """Return the time before which the ball around a shape is farther than `apart` from a triangle, s; -1.0 if it is behind.
+
+    The manifold of a triangle and a shape that is far from it may be that of an edge that does not separate them.
+    """
+    ball = floats(world, PLACE)[integers(world, CONTACT)[row, SHAPE_B], RADIUS]
+    out, height = beside_triangle(_triangle(world, row), at)
+    distance = length(out)
+    if height < -ball:
+        return -1.0
+    if distance - ball <= apart:
+        return 0.0
+    return _until(distance - ball, spin - dot(turned(turn_a, out), approach) / distance, pushed)
 
 
 @compiled(inline=True)

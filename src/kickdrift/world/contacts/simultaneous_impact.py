@@ -51,6 +51,11 @@ NORMAL = column(IMPACT, 3)
 TANGENT = column(IMPACT, 3)  # the first
 _BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
 _TOLERANCE = 1e-15  # of the largest impulse
+_PLASTIC, _FRICTION, _THROWN = (
+    0,
+    1,
+    2,
+)  # parts of the impulses of a round: those that stop, friction, those after restitution
 
 
 @compiled
@@ -204,21 +209,7 @@ def pushed(hit: Any) -> float:
 def find_impulses(world: int, sweeps: int) -> None:
     """Find and apply the impulses of a round, in a limited number of sweeps; the next round resolves the rest."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
-    scale = 0.0
-    for hit in range(count):
-        begin_sweeps(world, int(impact[hit, ROW]))
-    for sweep in range(sweeps):
-        settled = True
-        for hit in range(count):
-            if may_change(world, int(impact[hit, ROW]), sweep):
-                change = _sweep_points(world, impact[hit], True, 0.0, False)
-                scale = max(scale, pushed(impact[hit]))
-                if change > _TOLERANCE * scale:
-                    note_change(world, int(impact[hit, ROW]), sweep)
-                    settled = False
-        if settled:
-            break
-    rough = False
+    scale, rough = _sweep(world, sweeps, _PLASTIC, 0.0), False
     for hit in range(count):
         for k in range(4):
             p = IMPACT_POINTS + POINT_SIZE * k
@@ -229,18 +220,30 @@ def find_impulses(world: int, sweeps: int) -> None:
             _find_friction(world, scale, sweeps)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
+    _sweep(world, sweeps, _THROWN, scale)
+
+
+@compiled
+def _sweep(world: int, sweeps: int, part: int, scale: float) -> float:
+    """Sweep over a part of the impulses of a round until none changes; return the largest known, or plastic, impulse, N s."""
+    impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
         begin_sweeps(world, int(impact[hit, ROW]))
     for sweep in range(sweeps):
         settled = True
         for hit in range(count):
-            if may_change(world, int(impact[hit, ROW]), sweep):
-                change = _sweep_points(world, impact[hit], False, 0.0, True)
-                if change > _TOLERANCE * scale:
-                    note_change(world, int(impact[hit, ROW]), sweep)
-                    settled = False
+            if not may_change(world, int(impact[hit, ROW]), sweep):
+                continue
+            change = _sweep_friction(world, impact[hit]) if part == _FRICTION else 0.0
+            least = impact[hit, BOUNCE] if part == _FRICTION else 0.0
+            change = max(change, _sweep_points(world, impact[hit], part == _PLASTIC, least, part == _THROWN))
+            scale = max(scale, pushed(impact[hit])) if part == _PLASTIC else scale
+            if change > _TOLERANCE * scale:
+                note_change(world, int(impact[hit, ROW]), sweep)
+                settled = False
         if settled:
-            return
+            break
+    return scale
 
 
 @compiled
@@ -252,19 +255,7 @@ def _find_friction(world: int, scale: float, sweeps: int) -> None:
         for k in range(4):
             total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
-    for hit in range(count):
-        begin_sweeps(world, int(impact[hit, ROW]))
-    for sweep in range(sweeps):
-        settled = True
-        for hit in range(count):
-            if may_change(world, int(impact[hit, ROW]), sweep):
-                change = _sweep_friction(world, impact[hit])
-                change = max(change, _sweep_points(world, impact[hit], False, impact[hit, BOUNCE], False))
-                if change > _TOLERANCE * scale:
-                    note_change(world, int(impact[hit, ROW]), sweep)
-                    settled = False
-        if settled:
-            return
+    _sweep(world, sweeps, _FRICTION, scale)
 
 
 @compiled
