@@ -3,6 +3,7 @@
 import importlib.util
 import math
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -190,6 +191,17 @@ def test_fingerprints_do_not_depend_on_the_process():
     kernels = list(KERNELS.values())
     here = [fingerprint(kernel.py_func) for kernel in kernels], kernels[0]._cache._file("", kernels[0].targetctx).name
     assert python(code, PYTHONHASHSEED="1") == " ".join(map(str, here))  # of another seed, except once in 2^32 times
+
+
+def test_code_of_another_compiler_is_not_loaded(tmp_path):
+    package = Path(views.__file__).parent.parent
+    shutil.copytree(package, tmp_path / "kickdrift", ignore=shutil.ignore_patterns("__pycache__"))
+    code = "from kickdrift.core.vectors import dot as f; print(f._cache._file('', f.targetctx).name)"
+    first, again = (python(code, PYTHONPATH=str(tmp_path)) for _ in range(2))
+    with (tmp_path / "kickdrift" / "core" / "passes.py").open("a") as source:
+        source.write("\n# another pass\n")
+    assert first == again
+    assert python(code, PYTHONPATH=str(tmp_path)) != first
 
 
 FACTOR = unbound

@@ -3,7 +3,7 @@
 Numba's own cache checks only whether the source file of a function has changed, and goes on using code into which old versions
 of functions of other files were inlined; and where several processes fill it at once, it may use the code of one signature for
 another (Numba's issues 4807 and 10128). Here the name depends on the function, all functions and constants that it uses, the
-types of its arguments, the processor and Numba's version.
+types of its arguments, the processor, Numba's version, and the sources of the compiler itself.
 """
 
 import io
@@ -24,7 +24,7 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from kickdrift.core import sealed
-from kickdrift.core.naming import digest
+from kickdrift.core.naming import digest, source_digest
 
 _Function = Callable[..., Any]
 _HASHES = b"_numba_hashsecret"  # in the code of dictionaries and sets of texts
@@ -110,13 +110,13 @@ def _environment(module: str, constants: Any, name: str) -> Any:
 
 
 def machine(target: Any) -> tuple[Any, ...]:
-    """Return what else compiled code depends on: the processor and the versions of LLVM and Numba."""
+    """Return what else compiled code depends on: the processor, LLVM, Numba, and our part of the compiler."""
     return _machine(target.codegen())  # there is one, while each function may have a target of its own
 
 
 @cache
 def _machine(codegen: Any) -> tuple[Any, ...]:
-    return (*codegen.magic_tuple(), numba.__version__)
+    return (*codegen.magic_tuple(), numba.__version__, source_digest("core"))
 
 
 @lru_cache(maxsize=4096)
