@@ -24,9 +24,10 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from kickdrift.core import sealed
-from kickdrift.core.naming import digest, source_digest
+from kickdrift.core.naming import digest
 
 _Function = Callable[..., Any]
+_COMPILERS = (b"numba.core", b"numba.extending", b"llvmlite")
 _HASHES = b"_numba_hashsecret"  # in the code of dictionaries and sets of texts
 
 
@@ -116,7 +117,13 @@ def machine(target: Any) -> tuple[Any, ...]:
 
 @cache
 def _machine(codegen: Any) -> tuple[Any, ...]:
-    return (*codegen.magic_tuple(), numba.__version__, source_digest("core"))
+    return (*codegen.magic_tuple(), numba.__version__, _compiler_digest())
+
+
+def _compiler_digest() -> str:
+    """Digest of the modules here that change how Numba compiles, or what it compiles calls to."""
+    sources = (file.read_bytes() for file in sorted(Path(__file__).parent.glob("*.py")))
+    return digest(tuple(source for source in sources if any(module in source for module in _COMPILERS)))
 
 
 @lru_cache(maxsize=4096)

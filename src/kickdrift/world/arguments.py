@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.arguments import choice, real, reals
+from kickdrift.core.arguments import all_finite, choice, real, reals
 from kickdrift.core.errors import ArgumentError
 
 __all__ = ["choice", "direction", "number", "unit_quaternion", "vector"]
@@ -21,7 +21,7 @@ def vector(argument: str, value: ArrayLike, size: int) -> Floats:
         array = reals(value)
     except TypeError:
         raise ArgumentError(f"{argument}={value!r} must be {size} numbers.") from None
-    if array.shape != (size,) or not np.isfinite(array).all():
+    if array.shape != (size,) or not all_finite(array):
         raise ArgumentError(f"{argument}={value!r} must be {size} finite numbers.")
     return array
 
