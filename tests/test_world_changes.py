@@ -271,6 +271,19 @@ def test_a_body_in_the_row_of_one_that_was_removed_has_not_its_contacts():
     assert (world.touching, world.events) == ([], [])
 
 
+@pytest.mark.parametrize("sensor", [False, True])
+def test_a_contact_ends_where_a_static_body_is_moved(sensor):
+    world = World(gravity=(0, 0, 0 if sensor else -9.81))
+    block = world.add_box((1, 1, 1), static=True, sensor=sensor)
+    world.add_sphere(0.1, position=(0, 0, 0.6 - 0.1 * sensor), mass=1.0)
+    world.advance(STEP, 3)
+    for x, expected in ((0.1, [False, True]), (5.0, [False]), (9.0, [])):  # it still touches, it is far away, as before
+        block.position = (x, 0, 0)
+        world.step(STEP)
+        assert [event.begins for event in world.events] == expected
+        assert {event.sensor for event in world.events} <= {sensor}
+
+
 def test_a_drive_given_in_hertz_again_is_as_stiff_as_the_mass_is_now():
     world = World(gravity=(0, 0, 0))
     body = world.add_sphere(0.1, mass=1.0)

@@ -126,10 +126,9 @@ def _stays(world: int, a: int, b: int, part: int) -> bool:
 
 @compiled
 def _note_parting(world: int, row: int) -> bool:
-    """Append the event that the shapes of a contact stop touching, unless one is new or removed; False if there is no room."""
-    contact, events, shapes = integers(world, CONTACT), integers(world, EVENTS), integers(world, SHAPE)
-    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-    if contact[row, CONTACT_STATE] & TOUCHING == 0 or shapes[a, SEARCH_STATE] == NEW or shapes[b, SEARCH_STATE] == NEW:
+    """Append the event that the shapes of a contact stop touching, if they did; False if there is no room."""
+    contact, events = integers(world, CONTACT), integers(world, EVENTS)
+    if contact[row, CONTACT_STATE] & TOUCHING == 0:
         return True
     count = rows(world, EVENTS)
     if room(world, EVENTS) <= count:

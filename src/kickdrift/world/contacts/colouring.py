@@ -34,14 +34,25 @@ LINKED = OVERFLOW + 1  # of contacts that are solved directly: see `kickdrift.wo
 def colour(t: float, h: float, world: int) -> None:
     """Give every contact that has points a colour, and every colour its groups of lanes.
 
-    Greedy, in the order of the contacts: the first colour that neither body has yet; bodies that impulses do not move do not
-    count. Every batch has its own colours, whose constraints share the same space in `LANES`. Contacts that are solved directly
-    come last.
+    Every batch has its own colours, whose constraints share the same space in `LANES`. Contacts that are solved directly come
+    last.
     """
     batches = max(rows(world, BATCH), 1)
     if batches * BATCH_COLOURS > room(world, COLOURS):
         ask_for_room(world, COLOURS, batches * BATCH_COLOURS)
         return
+    _choose_colours(world, batches)
+    if _lay_out_groups(world, batches):
+        _place(world)
+
+
+@compiled
+def _choose_colours(world: int, batches: int) -> None:
+    """Choose the colours of contacts, kept as their places in the groups until they have these, and count those of each colour.
+
+    Greedy, in the order of the contacts: the first colour that neither body has yet; bodies that impulses do not move do not
+    count.
+    """
     contact, inverse_mass, body = integers(world, CONTACT), floats(world, INVERSE_MASS), integers(world, BODY)
     taken, colours, own = integers(world, COLOURED), integers(world, COLOURS), integers(world, MEMBERSHIP)
     for k in range(rows(world, COLOURED)):
@@ -74,6 +85,12 @@ def colour(t: float, h: float, world: int) -> None:
             k += BATCH_COLOURS * own[a if body[a, BODY_KIND] != STATIC else b, OWN_BATCH]
         contact[row, c.PLACE_IN_GROUPS] = k
         colours[k, c.COLOUR_CONTACTS] += 1
+
+
+@compiled
+def _lay_out_groups(world: int, batches: int) -> bool:
+    """Give every colour its range of groups; False if a table has no room for their constraints."""
+    colours = integers(world, COLOURS)
     first = 0
     for k in range(batches * BATCH_COLOURS):
         count = colours[k, c.COLOUR_CONTACTS]
@@ -85,18 +102,18 @@ def colour(t: float, h: float, world: int) -> None:
         most = max(most, colours[k + LINKED, c.AFTER_GROUP] - colours[k, c.FIRST_GROUP])
     if first > room(world, GROUPS):
         ask_for_room(world, GROUPS, first)
-        return
+        return False
     if most * c.FIELDS * c.WIDTH > room(world, LANES):
         ask_for_room(world, LANES, most * c.FIELDS * c.WIDTH)
-        return
+        return False
     if colours[LINKED, c.COLOUR_CONTACTS] > room(world, CONTACT_ROW):
         ask_for_room(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
-        return
+        return False
     set_rows(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
     set_rows(world, GROUPS, first)
     for k in range(rows(world, BATCH)):
         integers(world, BATCH)[k, LANES_BEFORE] = colours[k * BATCH_COLOURS, c.FIRST_GROUP] * c.FIELDS * c.WIDTH
-    _place(world)
+    return True
 
 
 @compiled
