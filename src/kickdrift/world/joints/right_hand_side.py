@@ -41,10 +41,10 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
         The error of locked axes to come, as an angle or relative to arms and bodies; zero in modes that do not need it.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    locked = integers(world, JOINT)[joint, j.LOCKED]
-    links[link, j.HELD_AXES] = locked
     if integers(world, JOINT)[joint, j.LINEAR] == j.GEARED:
         return _write_gear(joint, link, h, mode, world)
+    locked = integers(world, JOINT)[joint, j.LOCKED]
+    links[link, j.HELD_AXES] = locked
     v, w = relative_velocity(joint, world)
     look_here(joint, link, world)
     if mode != RELAX:
@@ -78,6 +78,7 @@ def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float
     """Set the right-hand side of a gear; return the error that it will have, as an angle or in parts of its bodies."""
     joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     k = joints[joint, j.PRINCIPAL]
+    integers(world, LINK)[link, j.HELD_AXES] = 1 << k
     put_wrenches(joint, 0.0, work, link, j.START_WRENCHES, world)
     wrong = put_wrenches(joint, h if mode == AHEAD else 0.0, work, link, j.AHEAD_WRENCHES, world)
     for column in (j.RIGHT_HAND_SIDE, j.SLOPE, j.PUSH, j.AXIS_SPEED, j.LAW_STATE, j.DELTA_SPEED, j.AXIS_IMPULSE):
