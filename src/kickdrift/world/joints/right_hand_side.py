@@ -61,10 +61,17 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, j.SLOPE + k] = brake
-        work[link, j.PUSH + k] = (
-            0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, j.JOINT_IMPULSE + k]
-        )
-        for column in (j.LAW_STATE, j.DELTA_SPEED, j.AXIS_IMPULSE):
+        work[link, j.PUSH + k] = 0.0
+        if mode in (AHEAD, GENTLY):
+            work[link, j.PUSH + k] = -brake * speed - numbers[joint, j.JOINT_IMPULSE + k]
+        for column in (
+            j.LAW_STATE,
+            j.LAW_BASE,
+            j.DELTA_SPEED,
+            j.AXIS_IMPULSE,
+            j.ACCEPTED_DELTA_SPEED,
+            j.ACCEPTED_IMPULSE,
+        ):
             work[link, column + k] = 0.0
     joints, rested = integers(world, JOINT), floats(world, RESTED)
     size = length(vector_at(numbers, joint, j.ARM_A)) + length(vector_at(numbers, joint, j.ARM_B))
