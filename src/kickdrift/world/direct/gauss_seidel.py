@@ -78,12 +78,8 @@ _IMPLIED = 1e-10
 @compiled
 def solve_in_turn(t: float, h: float, world: int) -> None:
     """Solve and apply the impulses of joints, one joint after the other, before the drift."""
-    links = integers(world, LINK)
-    articulations, work, numbers = (
-        integers(world, ARTICULATION),
-        floats(world, LINK_NUMBERS),
-        floats(world, JOINT_NUMBERS),
-    )
+    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
+    work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     speed = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
     rate = speed / (2.0 * _DAMPING + h * speed)
     share = 1.0 / (1.0 + h * speed * (2.0 * _DAMPING + h * speed))
