@@ -282,13 +282,53 @@ def test_geared_joints_are_not_placed():
     assert first.angle == pytest.approx(1.0)
 
 
+def two_geared_pairs():
+    """Two pairs of boxes that float, each with a hinge, and the gear of both hinges."""
+    world = kd.World(WEIGHTLESS)
+    boxes = [world.add_box((1, 1, 1), position=(3 * k, 0, 0), mass=1.0) for k in range(4)]
+    hinges = [world.add_hinge(*boxes[k : k + 2], anchor=(3 * k + 1.5, 0, 0), axis=UP) for k in (0, 2)]
+    world.add_gear(*hinges, -2.0)
+    return world, boxes, hinges
+
+
+def test_geared_joints_of_floating_bodies_are_not_placed_either():
+    _, _, (first, second) = two_geared_pairs()
+    for joint in (first, second):
+        with pytest.raises(ArgumentError, match="geared"):
+            joint.angle = 0.5
+        with pytest.raises(ArgumentError, match="geared"):
+            joint.speed = 0.5
+
+
+def test_a_gear_is_no_obstacle_to_placing_other_joints():
+    world, boxes, (first, second) = two_geared_pairs()
+    between = world.add_hinge(boxes[1], boxes[2], anchor=(4.5, 0, 0), axis=UP)
+    between.angle = 0.5
+    world.step(STEP)
+    assert between.angle == pytest.approx(0.5)
+    assert (first.angle, second.angle) == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
 def test_what_a_gear_has_not():
     world, _, _, gear = two_wheels()
     assert world.joint("mesh") == gear
     assert (gear.speed, gear.angle) == (0.0, 0.0)
-    for call in (lambda: gear.apply_effort(1.0), lambda: gear.set_motor(kd.Motor(1.0, 1.0)), lambda: gear.place(1.0)):
-        with pytest.raises(ArgumentError, match="locked"):
-            call()
+    for axis in (None, 0, 3):
+        for call in (
+            lambda axis: gear.apply_effort(1.0, axis), lambda axis: gear.set_motor(kd.Motor(1.0, 1.0), axis),
+            lambda axis: gear.place(1.0, axis),
+        ):  # fmt: skip
+            with pytest.raises(ArgumentError, match="locked"):
+                call(axis)
+
+
+def test_a_gear_of_sliders_cannot_be_geared_itself():
+    world = kd.World(WEIGHTLESS)
+    boxes = [world.add_box((1, 1, 1), position=(3 * k, 0, 0), mass=1.0) for k in range(3)]
+    sliders = [world.add_slider(None, box, anchor=box.position, axis=UP) for box in boxes]
+    gear = world.add_gear(sliders[0], sliders[1], -2.0)
+    with pytest.raises(ArgumentError, match="locked"):
+        world.add_gear(gear, sliders[2], 1.0, axis_a=0)
 
 
 @pytest.mark.parametrize(

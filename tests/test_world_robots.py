@@ -193,6 +193,14 @@ def test_motors_and_servos_can_be_read_and_set(tmp_path):
     assert load_robot(path).actuators["v"].drive(1.5) == Drive(damping=2.0, speed=1.5)
 
 
+def test_a_servo_without_a_gear_does_nothing(tmp_path):
+    inside = f'<body><joint name="j" axis="0 1 0"/>{BALL}</body>'
+    rest = '<actuator><position name="p" joint="j" kp="10" gear="0"/></actuator>'
+    robot = load_robot(text(tmp_path, inside, rest))
+    assert robot.joints["j"].drive() is None
+    assert robot.actuators["p"].effort(1.0) == 0.0
+
+
 def test_controls_and_efforts_are_clipped_as_in_mujoco(tmp_path):
     inside = f'<body><joint name="j" axis="0 1 0" actuatorfrcrange="-50 5"/>{BALL}</body>'
     motors = {"control": 'gear="3" ctrlrange="-0.4 0.5"', "force": 'gear="-3" forcerange="-1 20"', "free": 'gear="100"'}

@@ -36,9 +36,8 @@ def deepest_overlap(tables: Tables) -> float:
 def widest_gap(tables: Tables) -> float:
     """Measure the largest error of the distance that a joint prescribes for its points, zero or its length, m."""
     rows, numbers, pose = tables.array(JOINT), tables.array(JOINT_NUMBERS), tables.array(POSE)
-    locked = rows[:, joints.LOCKED]
-    on_line = (rows[:, joints.LINEAR] == joints.LINE) & (locked & 0b100 != 0)
-    held = (rows[:, joints.JOINT_KIND] != joints.REMOVED_JOINT) & (on_line | (locked & 0b111 == 0b111))
+    on_line = (rows[:, joints.LINEAR] == joints.LINE) & (rows[:, joints.LOCKED] & 0b100 != 0)
+    held = (rows[:, joints.JOINT_KIND] != joints.REMOVED_JOINT) & (on_line | (rows[:, joints.LINEAR] == joints.POINT))
     rows, numbers, lengths = rows[held], numbers[held], np.where(on_line, numbers[:, joints.LENGTH], 0.0)[held]
     ends = []
     for column, anchor in ((joints.BODY_A, joints.ANCHOR_A), (joints.BODY_B, joints.ANCHOR_B)):

@@ -160,8 +160,7 @@ def _check_joints(rows: FileTables) -> None:
 def _angles_fit(joints: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Whether each joint has as many free angular axes as its measure of angles requires."""
     n_open = sum(1 - (joints[:, j.LOCKED] >> k & 1) for k in range(3, 6))
-    wanted = np.array([0, 1, 2, 3, 3, 3])[joints[:, j.ANGULAR]]
-    fit: NDArray[np.bool_] = (n_open == wanted) | (joints[:, j.LINEAR] == j.GEARED)
+    fit: NDArray[np.bool_] = np.array([0, 1, 2, 3, 3, 3])[joints[:, j.ANGULAR]] == n_open
     return fit
 
 

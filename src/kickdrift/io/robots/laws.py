@@ -43,8 +43,8 @@ class Actuator:
 
     @property
     def servo(self) -> bool:
-        """Whether it is a spring or damper towards its control."""
-        return self.bias[1] < 0.0 or self.bias[2] < 0.0
+        """Whether it is a spring or damper towards its control; without a gear it does nothing."""
+        return self.gear != 0.0 and (self.bias[1] < 0.0 or self.bias[2] < 0.0)
 
     @property
     def maximum(self) -> float:

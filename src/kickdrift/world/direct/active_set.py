@@ -80,16 +80,16 @@ def aim_island(island: int, h: float, mode: int, world: int) -> float:
 
 
 @compiled(inline=True)
-def solve(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> bool:
+def solve(island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool, world: int) -> bool:
     """Call `solve_island` by its address."""
     found: bool = call(
-        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (island, h, ahead, task, first, touched, world)
+        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (island, h, ahead, task, afresh, touched, world)
     )
     return found
 
 
 @compiled
-def solve_island(island: int, h: float, ahead: float, task: int, first: bool, touched: bool, world: int) -> bool:
+def solve_island(island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool, world: int) -> bool:
     """Solve the equations of an island until all assumed pieces of laws fit, and apply the impulses.
 
     Stages call it by its address, so that it is compiled once for all of them.
@@ -106,8 +106,8 @@ def solve_island(island: int, h: float, ahead: float, task: int, first: bool, to
         projection by one solution, which are not applied.
     task : int
         The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `BOUNCE_FRICTION`.
-    first : bool
-        Whether the pieces of laws are assumed afresh.
+    afresh : bool
+        Whether the pieces of the laws of contacts are assumed afresh; those of joints always are.
     touched : bool
         Whether contacts take part; otherwise their impulses do not change.
     world : int
@@ -124,7 +124,7 @@ def solve_island(island: int, h: float, ahead: float, task: int, first: bool, to
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
     for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else HEAP_TRIALS if heap else TRIALS):
         settled = (
-            review(island, h, task, trial == 0, first, trial > BOUNDED, touched, whole, world) and whole and trial > 0
+            review(island, h, task, trial == 0, afresh, trial > BOUNDED, touched, whole, world) and whole and trial > 0
         )
         if settled:
             found = left == 0 or refine(island, task, touched, world) < REFINED
@@ -214,17 +214,17 @@ def assemble(island: int, ahead: float, world: int) -> None:
 
 @compiled(cached=False)
 def review(
-    island: int, h: float, task: int, begun: bool, first: bool, bounded: bool, touched: bool, whole: bool, world: int
+    island: int, h: float, task: int, first: bool, afresh: bool, bounded: bool, touched: bool, whole: bool, world: int
 ) -> bool:
     """Assume the pieces of laws that the current solution implies, and return whether it was found with them."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, settled = integers(world, JOINT), True
     if touched:
-        settled = update_contact_states(island, task, begun and first, whole, world)
+        settled = update_contact_states(island, task, first and afresh, whole, world)
     if task >= BOUNCE:
         return settled  # laws of joints are forces, which do nothing in an instant
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = update_law_states(joint, order[place, 0], h, task != PRESS, begun, bounded, world) and settled
+            settled = update_law_states(joint, order[place, 0], h, task != PRESS, first, bounded, world) and settled
     return settled

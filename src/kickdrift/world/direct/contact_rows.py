@@ -130,11 +130,8 @@ def find_bounds(own: Any, rows: Any) -> None:
             normal += carried
             lever += carried * own[(c.P + c.POINT_FIELDS * k + c.LEVER) * _W]
     friction = own[c.FRICTION * _W]
-    rows[BOUND], rows[BOUND + 1], rows[BOUND + 2] = (
-        friction * normal,
-        friction * lever,
-        own[c.ROLL_RESISTANCE * _W] * normal,
-    )
+    rows[BOUND], rows[BOUND + 1] = friction * normal, friction * lever
+    rows[BOUND + 2] = own[c.ROLL_RESISTANCE * _W] * normal
 
 
 @compiled(cached=False, fast=True)

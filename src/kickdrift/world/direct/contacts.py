@@ -156,11 +156,7 @@ def _begin_friction(
     """Set the right-hand sides of friction, torsion and rolling resistance, if they can act."""
     grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
     for bound in range(3):
-        reach = (
-            own[c.ROLL_RESISTANCE * c.WIDTH]
-            if bound == 2
-            else own[c.FRICTION * c.WIDTH] * (lever if bound == 1 else 1.0)
-        )
+        reach = own[(c.ROLL_RESISTANCE if bound == 2 else c.FRICTION) * c.WIDTH] * (lever if bound == 1 else 1.0)
         # Before the drift friction keeps the impulses of the substep before.
         if task in (PRESS, BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
             for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):

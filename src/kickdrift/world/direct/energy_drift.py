@@ -119,12 +119,8 @@ def _keeper(island: int, world: int) -> int:
 def _is_conservative(island: int, world: int) -> bool:
     """Whether nothing but gravity and joints has acted on an island without contacts in the step."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    inertia, force, joints, bodies = (
-        floats(world, INERTIA),
-        floats(world, FORCE),
-        integers(world, JOINT),
-        integers(world, BODY),
-    )
+    inertia, force = floats(world, INERTIA), floats(world, FORCE)
+    joints, bodies = integers(world, JOINT), integers(world, BODY)
     if rows(world, CLOTH) > 0:
         return False
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):

@@ -47,7 +47,6 @@ from kickdrift.world.joints.layout import (
     LAWS,
     LINEAR,
     LINK_JOINT,
-    LOCKED,
     MISALIGNMENT,
     PRINCIPAL,
     PUSH,
@@ -79,12 +78,8 @@ _IMPLIED = 1e-10
 @compiled
 def solve_in_turn(t: float, h: float, world: int) -> None:
     """Solve and apply the impulses of joints, one joint after the other, before the drift."""
-    links, joints = integers(world, LINK), integers(world, JOINT)
-    articulations, work, numbers = (
-        integers(world, ARTICULATION),
-        floats(world, LINK_NUMBERS),
-        floats(world, JOINT_NUMBERS),
-    )
+    articulations, links = integers(world, ARTICULATION), integers(world, LINK)
+    work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     speed = 2.0 * math.pi * min(_HERTZ, 0.25 / h)
     rate = speed / (2.0 * _DAMPING + h * speed)
     share = 1.0 / (1.0 + h * speed * (2.0 * _DAMPING + h * speed))
@@ -101,7 +96,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
                 )
             _solve(joint, at, h, False, world)
             for k in range(6):
-                if joints[joint, LOCKED] >> k & 1:
+                if links[at, HELD_AXES] >> k & 1:
                     work[at, AXIS_IMPULSE + k] -= share * numbers[joint, JOINT_IMPULSE + k]
             give_joint(joint, at, PRESS, world)
             end_joint(joint, at, h, world)
@@ -130,7 +125,7 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
 def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
     """Find the impulses of one joint as if it were the only one."""
     laws, work = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
-    active = integers(world, JOINT)[joint, LOCKED] | laws
+    active = integers(world, LINK)[at, HELD_AXES] | laws
     responses = carray(floats_on_stack(36), (6, 6))
     _find_responses(joint, at, active, responses, world)
     for trial in range(TRIALS):

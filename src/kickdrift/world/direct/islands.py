@@ -253,10 +253,8 @@ def _find_touching(world: int) -> None:
     for row in range(rows(world, CONTACT)):
         if not push(contacts, row):
             continue
-        a, b = (
-            abs(bodies[contacts[row, CONTACT_A], LINK_PLACE]) - 1,
-            abs(bodies[contacts[row, CONTACT_B], LINK_PLACE]) - 1,
-        )
+        a = abs(bodies[contacts[row, CONTACT_A], LINK_PLACE]) - 1
+        b = abs(bodies[contacts[row, CONTACT_B], LINK_PLACE]) - 1
         one = nodes[links[a, NODE_ROW], NODE_ISLAND] if a >= 0 and links[a, ROOT] >= 0 else NONE
         two = nodes[links[b, NODE_ROW], NODE_ISLAND] if b >= 0 and links[b, ROOT] >= 0 else NONE
         for island in (one, two):

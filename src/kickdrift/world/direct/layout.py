@@ -57,12 +57,10 @@ MOVED = column(CONTACT_ROW, CONTACT_ROWS)  # change of speed in the current solu
 GIVEN = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse in the current solution
 STATE = column(CONTACT_ROW, CONTACT_ROWS)  # OPEN, HELD or SLIDING
 BOUND = column(CONTACT_ROW, 3)  # largest impulse along the tangents, of twist, of rolling
-SLIDING_PART = column(
-    CONTACT_ROW, 3
-)  # of a bound that is reached: the fraction of the stiffness left perpendicular to the impulse
-DIRECTION = (
-    column(CONTACT_ROW, CONTACT_ROWS - TANGENT) - TANGENT
-)  # of the impulse at its bound, for rows from TANGENT on
+# Of a bound that is reached: the fraction of the stiffness left perpendicular to the impulse
+SLIDING_PART = column(CONTACT_ROW, 3)
+# Of the impulse at its bound, for rows from TANGENT on
+DIRECTION = column(CONTACT_ROW, CONTACT_ROWS - TANGENT) - TANGENT
 CONSTANT = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse at no change of speed
 ACTIVE = column(CONTACT_ROW, CONTACT_ROWS)  # 1.0 if the row takes part
 IMPULSE = column(CONTACT_ROW, CONTACT_ROWS)  # before the solution

@@ -33,9 +33,7 @@ def write_law(tables: Tables, joint: int, k: int, part: LawPart, what: Any) -> N
     elif part == "friction":
         numbers[j.JOINT_FRICTION] = what
     else:
-        mass = numbers[
-            j.DRIVEN_MASS
-        ]  # of the previous drive, so that a change of the target does not change the stiffness
+        mass = numbers[j.DRIVEN_MASS]  # of the previous drive: changes of the target do not change the stiffness
         stiffness, damping, target, speed, maximum = 0.0, 0.0, 0.0, 0.0, 0.0
         if what is None:
             mass = 0.0

@@ -128,10 +128,8 @@ def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, f
     row = 6 * joint + k
     stiffness, damping = laws[row, j.DRIVE_STIFFNESS], laws[row, j.DRIVE_DAMPING]
     off = numbers[joint, j.DRIVEN + k - 3] if k >= 3 else numbers[joint, j.JOINT_POSITION + k] - laws[row, j.TARGET]
-    stiff = h * h * stiffness
-    alpha = (
-        stiff * stiff / (laws[row, j.DRIVEN_MASS] * laws[row, j.DRIVEN_MASS] + stiff * stiff) if stiff > 0.0 else 0.0
-    )
+    stiff, mass = h * h * stiffness, laws[row, j.DRIVEN_MASS]
+    alpha = stiff * stiff / (mass * mass + stiff * stiff) if stiff > 0.0 else 0.0
     beta = 0.25 * (1.0 - alpha)
     constant = h * (damping * laws[row, j.TARGET_SPEED] - stiffness * (off - h * beta * laws[row, j.START_SPEED]))
     slope = h * (damping + h * stiffness * (alpha + beta))
@@ -192,10 +190,8 @@ def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool
             else:
                 constant, _, maximum = _drive_of(joint, k, h, world)
             line = laws[6 * joint + k, j.MOBILITY] / (1.0 if first else _RIGID)
-            moved, base = work[link, j.ACCEPTED_DELTA_SPEED + k], work[link, j.LAW_BASE + k]
-            if first:
-                moved, base = 0.0, 0.0
-            speed, impulse = work[link, j.AXIS_SPEED + k] + moved, numbers[joint, j.JOINT_IMPULSE + k] + base
+            speed = work[link, j.AXIS_SPEED + k] + work[link, j.ACCEPTED_DELTA_SPEED + k]
+            impulse = numbers[joint, j.JOINT_IMPULSE + k] + work[link, j.LAW_BASE + k]
             wish = impulse - speed / line - _drive(0.0, constant, 0.0, maximum)
             if trial == 0:
                 square += wish * wish
@@ -223,21 +219,12 @@ def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bo
 
     Friction that several axes share does not change once it is `bounded`.
     """
-    laws, work, numbers = (
-        integers(world, JOINT)[joint, j.LAWS],
-        floats(world, LINK_NUMBERS),
-        floats(world, JOINT_NUMBERS),
-    )
+    laws, numbers = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS)
+    work = floats(world, LINK_NUMBERS)
     settled = _share_friction(joint, link, h, relaxing, first, bounded, world)
     for k in range(6):
         if not laws >> k & 1:
             continue
-        if first:
-            work[link, j.LAW_BASE + k], work[link, j.ACCEPTED_DELTA_SPEED + k], work[link, j.ACCEPTED_IMPULSE + k] = (
-                0.0,
-                0.0,
-                0.0,
-            )
         mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY]
         before, rigid, base = work[link, j.AXIS_SPEED + k], mobility / _RIGID, work[link, j.LAW_BASE + k]
         speed, impulse = before + work[link, j.ACCEPTED_DELTA_SPEED + k], numbers[joint, j.JOINT_IMPULSE + k] + base

@@ -20,12 +20,8 @@ from kickdrift.world.tables import DELTA_POSE, INERTIA, INVERSE_MASS, MOTION, PO
 @compiled(cached=False)
 def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
     """Change the pose of a body, and turn its angular velocity with it, which keeps its energy."""
-    pose, delta_pose, motion, inverse_mass = (
-        floats(world, POSE),
-        floats(world, DELTA_POSE),
-        floats(world, MOTION),
-        floats(world, INVERSE_MASS),
-    )
+    pose, delta_pose = floats(world, POSE), floats(world, DELTA_POSE)
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     by = exponential(turn)
     q = unit(product(by, quaternion_at(pose, body, ANGULAR_PART)))
     w = turned(by, vector_at(motion, body, ANGULAR_PART))

@@ -29,10 +29,8 @@ def _work_of_laws(joint: int, world: int) -> float:
     most = 0.0
     for k in range(6):
         if axes >> k & 1:
-            impulse, speed = (
-                numbers[joint, j.JOINT_IMPULSE + k],
-                dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w),
-            )
+            impulse = numbers[joint, j.JOINT_IMPULSE + k]
+            speed = dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w)
             most += max(impulse * laws[6 * joint + k, j.START_SPEED], 0.0) + max(impulse * speed, 0.0)
     return most
 

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints import axis as axes_of
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.axis import FREE, finite
+from kickdrift.world.joints.axis import LOCKED, finite
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.joint_positions import measure_again
 from kickdrift.world.joints.record import Geared, Placement, Record
@@ -44,8 +43,7 @@ class Gear(Record):
     -----
     The handle's `Joint.effort` is the torque or force on joint a, that on joint b is ``-ratio`` times as great; with a hinge
     as joint a, the gear breaks with ``breaking_torque``, with a slider with ``breaking_force``. A gear is removed with its
-    joints, none of which can be placed while it exists. A joint that turns by more than half a turn in a substep slips by
-    full turns.
+    joints, whose coupled axes cannot be placed while it exists.
 
     Examples
     --------
@@ -95,12 +93,9 @@ class Gear(Record):
         total = sum(
             rate * numbers.item(row, j.JOINT_POSITION + k) for rate, row, k in zip(rates, joints, axes, strict=True)
         )
-        locks = [axes_of.LOCKED if k == axes[0] else FREE for k in range(6)]
-        nowhere = np.zeros(3)
-        return Placement(
-            nowhere, nowhere, np.eye(3), (locks[0], locks[1], locks[2]), (locks[3], locks[4], locks[5]), length=total,
-            principal=axes[0], geared=Geared(joints, (axes[0], axes[1]), rates),
-        )  # fmt: skip
+        nowhere, held = np.zeros(3), (LOCKED, LOCKED, LOCKED)
+        geared = Geared(joints, (axes[0], axes[1]), rates)
+        return Placement(nowhere, nowhere, np.eye(3), held, held, length=total, principal=axes[0], geared=geared)
 
 
 def _axis(name: str, joint: Joint, axis: int | None) -> int:

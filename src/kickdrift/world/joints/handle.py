@@ -242,8 +242,8 @@ class Joint(Handle):
         Raises
         ------
         ArgumentError
-            For a value that is not finite or beyond the limits, an axis that is locked or has no angle of its own, and where
-            the joint is part of a loop, or both sides are held, so that neither side can move alone.
+            For a value that is not finite or beyond the limits, an axis that is locked, geared, or has no angle of its own,
+            and where the joint is part of a loop, or both sides are held, so that neither side can move alone.
         """
         place(self, self.axis(axis), "value", value)
 

@@ -117,12 +117,19 @@ def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float,
 
 
 def _check_placeable(tables: Tables, row: int, k: int) -> None:
-    """Check that axis k is open and has an angle or position of its own; ArgumentError if not."""
+    """Check that axis k is open, not geared, and has an angle or position of its own; ArgumentError if not."""
     joint = tables.array(JOINT)[row]
     if joint[j.LOCKED] >> k & 1:
         raise ArgumentError(f"axis={k} is locked, so the joint cannot be moved along it; move one of its bodies.")
     if k < 3 and joint[j.LINEAR] == j.LINE and k != 2:
         raise ArgumentError(f"axis={k} of a joint along a line has no position of its own; only axis 2, the line, has.")
+    joints = tables.array(JOINT)
+    gears = joints[(joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.LINEAR] == j.GEARED)]
+    coupled = (gears[:, j.GEARED_JOINTS : j.GEARED_JOINTS + 2] == row) & (
+        gears[:, j.GEARED_AXES : j.GEARED_AXES + 2] == k
+    )
+    if coupled.any():
+        raise ArgumentError(f"axis={k} of the joint is geared to another one; remove the gear, and add it again later.")
     if k >= 3 and joint[j.ANGULAR] not in (j.HINGE, j.UNIVERSAL):
         raise ArgumentError(
             f"axis={k} is one of three open angular axes, which have no angles of their own; set the orientation of a"
@@ -200,10 +207,10 @@ def _axis(tables: Tables, row: int, k: int) -> tuple[Floats, Floats]:
 
 
 def _neighbours(tables: Tables, without: int) -> dict[int, list[int]]:
-    """Return the bodies that each body is connected to by joints with locked axes or limits, without one joint."""
+    """Return the bodies that each body is connected to by joints with locked axes or limits, without one joint and gears."""
     joints = tables.array(JOINT)
     limits = tables.array(JOINT_AXES)[:, [j.LOWER_LIMIT, j.UPPER_LIMIT]].reshape(-1, 12)
-    holds = joints[:, j.JOINT_KIND] != j.REMOVED_JOINT
+    holds = (joints[:, j.JOINT_KIND] != j.REMOVED_JOINT) & (joints[:, j.LINEAR] != j.GEARED)
     holds &= (joints[:, j.LOCKED] != 0) | np.isfinite(limits).any(axis=1)
     holds[without] = False
     found: dict[int, list[int]] = {}

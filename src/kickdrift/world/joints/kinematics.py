@@ -158,18 +158,28 @@ def measure_joint(joint: int, h: float, world: int) -> None:
             numbers[joint, j.JOINT_POSITION + k] = unwound(angle, expected_angle(joint, k, h, world))
         elif mode == j.VECTOR:
             put_vector(numbers, joint, j.JOINT_POSITION + 3, rotation_vector(relative))
-    laws = floats(world, JOINT_AXES)
+    if joints[joint, j.LAWS] != 0:
+        _measure_laws(joint, world)
+
+
+@compiled(cached=False)
+def _measure_laws(joint: int, world: int) -> None:
+    """Compute the mobilities along axes that have laws, and their angles less the targets of drives.
+
+    Axes that share their friction have the largest mobility of the three.
+    """
+    joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     for k in range(6):
         if joints[joint, j.LAWS] >> k & 1:
             laws[6 * joint + k, j.MOBILITY] = mobility(joint, k, world)
-            if k >= 3 and mode != j.SWING_TWIST:
+            if k >= 3 and joints[joint, j.ANGULAR] != j.SWING_TWIST:
                 numbers[joint, j.DRIVEN + k - 3] = numbers[joint, j.JOINT_POSITION + k] - laws[6 * joint + k, j.TARGET]
     if shares_friction(joint, world):
-        most = max(
-            max(laws[6 * joint + 3, j.MOBILITY], laws[6 * joint + 4, j.MOBILITY]), laws[6 * joint + 5, j.MOBILITY]
-        )
-        for k in range(3, 6):
-            laws[6 * joint + k, j.MOBILITY] = most
+        first, most = 6 * joint + 3, 0.0
+        for row in range(first, first + 3):
+            most = max(most, laws[row, j.MOBILITY])
+        for row in range(first, first + 3):
+            laws[row, j.MOBILITY] = most
 
 
 @compiled(inline=True, cached=False)

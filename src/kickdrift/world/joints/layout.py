@@ -42,9 +42,8 @@ HINGE = 1  # one is, PIVOT
 UNIVERSAL = 2  # two are, PIVOT in a and the next one, cyclically, in b
 LOOSE = 3  # three are, without laws
 VECTOR = 4  # three are; the angles are the components of the rotation vector
-SWING_TWIST = (
-    5  # three are; swing about axis 0, where the cone is left, and twist about axis 2, the mean of both axes 2
-)
+# Three are; swing about axis 0, where the cone is left, and twist about axis 2, the mean of both axes 2
+SWING_TWIST = 5
 
 # Columns of JOINT_NUMBERS. Units along and about axes are m and rad, N and N m, and their combinations.
 ANCHOR_A = column(JOINT_NUMBERS, 3, "m")  # in the axes of the body

@@ -2,28 +2,24 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.joints.impulses import note_speeds
-from kickdrift.world.joints.layout import BODY_A, CLOSINGS, END, FIRST, LINK_BODY, LINK_JOINT, LINKS, TOTAL
-from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC
-from kickdrift.world.tables import ARTICULATION, BODY, JOINT, JOINT_NUMBERS, LINK, floats, integers, rows
+from kickdrift.world.joints.layout import CLOSINGS, END, FIRST, LINK_BODY, LINK_JOINT, LINKS, TOTAL
+from kickdrift.world.layout import AWAKE
+from kickdrift.world.tables import ARTICULATION, BODY, JOINT_NUMBERS, LINK, floats, integers, rows
 
 
 @compiled
 def wake_joints(t: float, h: float, world: int) -> None:
     """Wake all bodies of an articulation if any is awake; sleeping articulations have no links during the step."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
-    joints, bodies = integers(world, JOINT), integers(world, BODY)
+    bodies = integers(world, BODY)
     for row in range(rows(world, ARTICULATION)):
         first, after = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
         awake = False
-        for turn in range(2):
+        for link in range(first, after):
+            awake = awake or bodies[links[link, LINK_BODY], AWAKE] != 0
+        if awake:
             for link in range(first, after):
-                for side in range(2):
-                    joint = links[link, LINK_JOINT]
-                    body = joints[joint, BODY_A + side] if joint >= 0 else links[link, LINK_BODY]
-                    if bodies[body, BODY_KIND] == DYNAMIC:
-                        awake = awake or bodies[body, AWAKE] != 0
-                        if turn == 1 and awake:
-                            bodies[body, AWAKE] = 1
+                bodies[links[link, LINK_BODY], AWAKE] = 1
         articulations[row, END] = after + articulations[row, CLOSINGS] if awake else first
 
 

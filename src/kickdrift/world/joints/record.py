@@ -8,9 +8,11 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import cross
+from kickdrift.world.arguments import direction
 from kickdrift.world.joints.axis import FREE, Axis, not_negative
 
 Floats = NDArray[np.float64]
@@ -89,6 +91,22 @@ class Record(ABC):
         ArgumentError
             For anchors and axes that are not vectors, axes of length zero and numbers of the wrong sign.
         """
+
+
+def frame_of(name_x: str, x: ArrayLike, name_y: str, y: ArrayLike) -> Floats:
+    """Return orthonormal axes as columns, (3, 3), given the directions of the first two.
+
+    Raises
+    ------
+    ArgumentError
+        For directions of length zero, or not at right angles to each other.
+    """
+    first, second = direction(name_x, x), direction(name_y, y)
+    if abs(first @ second) > 1e-6:
+        raise ArgumentError(f"{name_y}={y!r} and {name_x}={x!r} must be at right angles to each other.")
+    second -= (first @ second) * first
+    second /= np.linalg.norm(second)
+    return np.column_stack((first, second, np.cross(first, second)))
 
 
 def frame_along(z: Floats) -> Floats:

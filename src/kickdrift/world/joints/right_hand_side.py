@@ -41,10 +41,10 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
         The error of locked axes to come, as an angle or relative to arms and bodies; zero in modes that do not need it.
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    locked = integers(world, JOINT)[joint, j.LOCKED]
-    links[link, j.HELD_AXES] = locked
     if integers(world, JOINT)[joint, j.LINEAR] == j.GEARED:
         return _write_gear(joint, link, h, mode, world)
+    locked = integers(world, JOINT)[joint, j.LOCKED]
+    links[link, j.HELD_AXES] = locked
     v, w = relative_velocity(joint, world)
     look_here(joint, link, world)
     if mode != RELAX:
@@ -61,10 +61,17 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
             off += wrong * wrong if k < 3 else 0.0
             turned_off += wrong * wrong if k >= 3 else 0.0
         work[link, j.SLOPE + k] = brake
-        work[link, j.PUSH + k] = (
-            0.0 if mode in (RELAX, REPAIR) else -brake * speed - numbers[joint, j.JOINT_IMPULSE + k]
-        )
-        for column in (j.LAW_STATE, j.DELTA_SPEED, j.AXIS_IMPULSE):
+        work[link, j.PUSH + k] = 0.0
+        if mode in (AHEAD, GENTLY):
+            work[link, j.PUSH + k] = -brake * speed - numbers[joint, j.JOINT_IMPULSE + k]
+        for column in (
+            j.LAW_STATE,
+            j.LAW_BASE,
+            j.DELTA_SPEED,
+            j.AXIS_IMPULSE,
+            j.ACCEPTED_DELTA_SPEED,
+            j.ACCEPTED_IMPULSE,
+        ):
             work[link, column + k] = 0.0
     joints, rested = integers(world, JOINT), floats(world, RESTED)
     size = length(vector_at(numbers, joint, j.ARM_A)) + length(vector_at(numbers, joint, j.ARM_B))
@@ -78,6 +85,7 @@ def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float
     """Set the right-hand side of a gear; return the error that it will have, as an angle or in parts of its bodies."""
     joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     k = joints[joint, j.PRINCIPAL]
+    integers(world, LINK)[link, j.HELD_AXES] = 1 << k
     put_wrenches(joint, 0.0, work, link, j.START_WRENCHES, world)
     wrong = put_wrenches(joint, h if mode == AHEAD else 0.0, work, link, j.AHEAD_WRENCHES, world)
     for column in (j.RIGHT_HAND_SIDE, j.SLOPE, j.PUSH, j.AXIS_SPEED, j.LAW_STATE, j.DELTA_SPEED, j.AXIS_IMPULSE):

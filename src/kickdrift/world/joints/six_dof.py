@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import direction, vector
+from kickdrift.world.arguments import vector
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis, is_number
-from kickdrift.world.joints.record import Axes, Placement, Record
+from kickdrift.world.joints.record import Axes, Placement, Record, frame_of
 
 
 @dataclass(frozen=True)
@@ -61,22 +60,12 @@ class SixDof(Record):
 
     def placement(self) -> Placement:
         """Return the frame of the joint and the laws of its axes."""
-        anchor, x, y = (
-            vector("anchor", self.anchor, 3),
-            direction("axis_x", self.axis_x),
-            direction("axis_y", self.axis_y),
-        )
-        if abs(x @ y) > 1e-6:
-            raise ArgumentError(
-                f"axis_y={self.axis_y!r} and axis_x={self.axis_x!r} must be at right angles to each other."
-            )
+        anchor = vector("anchor", self.anchor, 3)
+        frame = frame_of("axis_x", self.axis_x, "axis_y", self.axis_y)
         for name, axes in (("linear", self.linear), ("angular", self.angular)):
             three = isinstance(axes, tuple | list) and len(axes) == 3
             if not (three and all(isinstance(axis, Axis) for axis in axes)):
                 raise ArgumentError(f"{name}={axes!r} must be three of kd.Axis, for x, y and z.")
-        y -= (x @ y) * x
-        y /= np.linalg.norm(y)
-        frame = np.column_stack((x, y, np.cross(x, y)))
         angular, cone = self._angular()
         return Placement(anchor, anchor, frame, self.linear, angular, cone=cone)
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import direction, vector
+from kickdrift.world.arguments import vector
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis
-from kickdrift.world.joints.record import Placement, Record
+from kickdrift.world.joints.record import Placement, Record, frame_of
 
 
 @dataclass(frozen=True)
@@ -50,21 +49,11 @@ class Universal(Record):
 
     def placement(self) -> Placement:
         """Return the frame of the joint and the laws of its axes."""
-        anchor, x, y = (
-            vector("anchor", self.anchor, 3),
-            direction("axis_a", self.axis_a),
-            direction("axis_b", self.axis_b),
-        )
-        if abs(x @ y) > 1e-6:
-            raise ArgumentError(
-                f"axis_b={self.axis_b!r} and axis_a={self.axis_a!r} must be at right angles to each other."
-            )
+        anchor = vector("anchor", self.anchor, 3)
+        frame = frame_of("axis_a", self.axis_a, "axis_b", self.axis_b)
         for name, about in (("about_a", self.about_a), ("about_b", self.about_b)):
             if not isinstance(about, Axis):
                 raise ArgumentError(f"{name}={about!r} must be a kickdrift.Axis.")
         if self.about_a.locked or self.about_b.locked:
             raise ArgumentError("about_a and about_b must be open; a joint with one open axis is a hinge.")
-        y -= (x @ y) * x
-        y /= np.linalg.norm(y)
-        frame = np.column_stack((x, y, np.cross(x, y)))
         return Placement(anchor, anchor, frame, (LOCKED, LOCKED, LOCKED), (self.about_a, self.about_b, LOCKED))
