@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -115,6 +116,19 @@ def test_compiling_ahead_counts_what_it_compiles(monkeypatch):
 
 def test_what_is_called_once_to_be_compiled_is_a_short_run():
     compiling.first_calls.interpreted()  # `python -m benchmarks --only readme` does the others, which compile for minutes
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_warning_is_one_line_without_a_place_in_the_code(monkeypatch):
+    def plan(*_):
+        warnings.warn("joints lost energy.", kd.UnsolvedWarning, stacklevel=1)
+        raise ArgumentError("enough.")
+
+    monkeypatch.setattr(importlib.import_module("kickdrift.cli.app"), "make_plan", plan)
+    assert call("run", "pendulum").stderr.splitlines() == [
+        "kickdrift: warning: joints lost energy.",
+        "kickdrift: enough.",
+    ]
 
 
 def test_an_empty_cache_is_announced(folder, monkeypatch):

@@ -1,5 +1,6 @@
 """The commands and their options: help texts, and the handling of errors."""
 
+import warnings
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,17 +16,23 @@ from kickdrift.core.errors import ArgumentError, KickdriftError
 
 
 class _Commands(TyperGroup):
-    """Turns the errors that kickdrift raises on purpose into one line and an exit code."""
+    """Turns warnings, and the errors that kickdrift raises on purpose, into one line, and the latter into an exit code."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = _say_warning
+                return super().invoke(ctx)
         except KickdriftError as error:
             say(str(error))
             raise typer.Exit(BAD_INPUT) from None
         except KeyboardInterrupt:
             say("interrupted.")
             raise typer.Exit(INTERRUPTED) from None
+
+
+def _say_warning(message: Warning | str, *_: Any) -> None:
+    say(f"warning: {message}")
 
 
 app = typer.Typer(

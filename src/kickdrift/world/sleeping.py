@@ -1,7 +1,7 @@
 """Sleep: islands of bodies that touch, nearly touch or are joined fall asleep and wake together."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.filters import push
+from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints import layout as j
@@ -71,7 +71,7 @@ def _moves(world: int, row: int) -> bool:
 @compiled(inline=True)
 def _is_near(world: int, row: int) -> bool:
     """Whether a contact has points, so that its bodies wake each other and must sleep together; sensors do not count."""
-    return bool(push(integers(world, CONTACT), row))
+    return bool(is_solid(integers(world, CONTACT), row))
 
 
 @compiled

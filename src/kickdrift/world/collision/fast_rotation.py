@@ -8,7 +8,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross, dot
-from kickdrift.world.collision.filters import push
+from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.collision.missed_contacts import drop_paths
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts.layout import BODY_A, BODY_B
@@ -60,7 +60,7 @@ def divide_fast_rotation(t: float, h: float, world: int) -> None:
     if status[0, HALVINGS] >= MOST_HALVINGS or not _any_fast(world, substep):
         return
     for row in range(rows(world, CONTACT)):
-        if not push(contact, row):
+        if not is_solid(contact, row):
             continue
         if _is_fast(world, contact[row, BODY_A], substep) or _is_fast(world, contact[row, BODY_B], substep):
             drop_paths(t, h, world)

@@ -35,7 +35,7 @@ def may_touch(world: int, a: int, b: int) -> bool:
 
 
 @compiled(inline=True)
-def push(contact: Any, row: int) -> bool:
+def is_solid(contact: Any, row: int) -> bool:
     """Whether the shapes of a contact push each other: they have points, and neither is a sensor."""
     solid: bool = contact[row, POINTS] != 0 and contact[row, CONTACT_STATE] & SENSOR == 0
     return solid

@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.batch import AFTER_MEMBER, FIRST_MEMBER, WEIGHT
-from kickdrift.world.collision.filters import push
+from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
@@ -61,7 +61,7 @@ def find_batches(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         own[row, OWN_BATCH], own[row, ISLAND_WEIGHT] = row, 0
     for row in range(rows(world, CONTACT)):
-        if not push(contact, row):
+        if not is_solid(contact, row):
             continue
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
         if body[a, BODY_KIND] > STATIC and body[b, BODY_KIND] > STATIC:
@@ -69,7 +69,7 @@ def find_batches(t: float, h: float, world: int) -> None:
     for row in range(rows(world, BODY)):
         own[first_of(own, OWN_BATCH, row), ISLAND_WEIGHT] += 1
     for row in range(rows(world, CONTACT)):
-        if push(contact, row):
+        if is_solid(contact, row):
             a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
             own[first_of(own, OWN_BATCH, a if body[a, BODY_KIND] > STATIC else b), ISLAND_WEIGHT] += 1
     _fill(world, own)

@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.batch import BATCH_COLOURS, LANES_BEFORE
-from kickdrift.world.collision.filters import push
+from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import OWN_BATCH
 from kickdrift.world.layout import AWAKE, BODY_KIND, INVERSE_LINEAR_MASS, LINK_PLACE, STATIC
@@ -62,7 +62,7 @@ def _choose_colours(world: int, batches: int) -> None:
     for row in range(rows(world, CONTACT)):
         contact[row, c.PLACE_IN_GROUPS] = -1
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-        if not push(contact, row):
+        if not is_solid(contact, row):
             continue
         if body[a, AWAKE] == 0 and body[b, AWAKE] == 0:
             continue

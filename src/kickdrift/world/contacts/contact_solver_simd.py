@@ -68,7 +68,7 @@ def _put(array: Any, field: int, lane: int, x: float, y: float, z: float) -> Non
 @compiled(fast=True, inline=True)
 def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
     """Solve one point, whose fields begin at i; return the state: sum of impulses, normal and both angular velocities."""
-    rate, soft_mass, soft_impulse, per_h, push, closed, bounces, sum_mass = spring
+    rate, soft_mass, soft_impulse, per_h, bound, closed, bounces, sum_mass = spring
     tx, ty, tz, ex, ey, ez = arms
     total, v, wax, way, waz, wbx, wby, wbz = state
     ax, ay, az = _vector(own, c.ARM, i)
@@ -85,7 +85,7 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     rounding = 1e-9 * mass * abs(speed)
     # Bounds the speed of separation. A bound on the bias would turn deep overlaps into springs whose force does not depend on
     # depth, between which balls wander for ever.
-    change = min(-mass * (scale * speed + bias) - leak * impulse, mass * (push - speed))
+    change = min(-mass * (scale * speed + bias) - leak * impulse, mass * (bound - speed))
     new = max(impulse + change, 0.0)
     # The relaxing sweep adds nothing to points that are separated by more than rounding and carry no impulse, since they may
     # bounce when they meet in the next substep; of loaded points, rounding decides whether they are separated. Neither sweep
@@ -108,13 +108,13 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
 
 
 @compiled(fast=True)
-def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
+def solve_normals(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
     """Do one sweep over the points: soft and with bias if `soft` is 1.0, rigid and without bias if it is 0.0.
 
-    With bias, `push` is the largest speed at which overlapping points are pushed apart, m/s. Without bias, it is the depth from
-    which points begin to carry impulses, m, and bounds no speed.
+    With bias, `bound` is the largest speed at which overlapping points separate, m/s. Without bias, it is the depth from which
+    points begin to carry impulses, m, and bounds no speed.
     """
-    closed = 1e300 if soft > 0.0 else -push
+    closed = 1e300 if soft > 0.0 else -bound
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
@@ -138,7 +138,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
         v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
         state = (0.0, v, wax, way, waz, wbx, wby, wbz)
         bounces = -own[c.BOUNCE_THRESHOLD * W + lane]
-        spring = (rate, soft_mass, soft_impulse, per_h, push, closed, bounces, mass_a + mass_b)
+        spring = (rate, soft_mass, soft_impulse, per_h, bound, closed, bounces, mass_a + mass_b)
         # Indices are sums of constants and the lane: others might be negative to the compiler, and prevent vectorisation.
         i = c.P * W + lane
         state = _solve_point(own, s, lane, i, opened, arms, spring, state)
@@ -154,7 +154,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, push: float, n: i
 
 
 @compiled(fast=True)
-def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
+def solve_friction(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
     """Do one sweep over rolling resistance, torsional friction and friction at the centre, bounded by the normal impulses."""
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)
@@ -224,7 +224,7 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, push: float, n: 
 
 
 @compiled(fast=True)
-def apply_impulses(own: Any, s: Any, per_h: float, soft: float, push: float, n: int) -> None:
+def apply_impulses(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
     """Apply the accumulated impulses to the velocities (warm start)."""
     for lane in range(n):
         nx, ny, nz = _vector(own, c.N, lane)

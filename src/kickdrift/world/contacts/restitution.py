@@ -30,7 +30,16 @@ from kickdrift.world.contacts.bounce_time import find_time, rests
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
-from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES, find_impulses, meet, pushed
+from kickdrift.world.contacts.simultaneous_impact import (
+    BOUNCE,
+    ROW,
+    SPEED,
+    TIME,
+    TIMES,
+    find_impulses,
+    meet,
+    normal_impulse,
+)
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
@@ -159,7 +168,7 @@ def bounce(t: float, h: float, world: int) -> None:
             leave_impact(h, world, b)
             note_hit(world, a, n)
             note_hit(world, b, n)
-            own, was_hit = constraint(world, int(impact[hit, ROW])), pushed(impact[hit]) > 0.0
+            own, was_hit = constraint(world, int(impact[hit, ROW])), normal_impulse(impact[hit]) > 0.0
             own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit else c.MISSED
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 _hide_from_sweeps(own, k)

@@ -129,14 +129,14 @@ def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
 
 
 @compiled(inline=True)
-def _push(world: int, a: int, b: int, push: Vector, turn_a: Vector, turn_b: Vector) -> None:
+def _apply_impulse(world: int, a: int, b: int, impulse: Vector, turn_a: Vector, turn_b: Vector) -> None:
     """Apply an impulse to b and its opposite to a, with the angular impulses `turn_b` and -`turn_a`."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
     change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
     for k in range(3):
-        motion[a, VELOCITY + k] -= inverse_mass[a, INVERSE_LINEAR_MASS] * push[k]
-        motion[b, VELOCITY + k] += inverse_mass[b, INVERSE_LINEAR_MASS] * push[k]
+        motion[a, VELOCITY + k] -= inverse_mass[a, INVERSE_LINEAR_MASS] * impulse[k]
+        motion[b, VELOCITY + k] += inverse_mass[b, INVERSE_LINEAR_MASS] * impulse[k]
         motion[a, ANGULAR_VELOCITY + k] -= change_a[k]
         motion[b, ANGULAR_VELOCITY + k] += change_b[k]
 
@@ -164,7 +164,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
         missing = (point[WANTED] if thrown else 0.0) - _speed(world, a, b, normal, point)
         d = max(point[IMPULSE] + missing / response, -least * point[PLASTIC]) - point[IMPULSE]
         point[IMPULSE] += d
-        _push(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
+        _apply_impulse(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
         largest = max(largest, abs(d))
     return largest
 
@@ -190,13 +190,13 @@ def _sweep_friction(world: int, hit: Any) -> float:
         f1, f2 = f1 * scale, f2 * scale
     d1, d2 = f1 - hit[FRICTION], f2 - hit[FRICTION + 1]
     hit[FRICTION], hit[FRICTION + 1] = f1, f2
-    push = plus(times(d1, first), times(d2, second))
-    _push(world, a, b, push, cross(arm_a, push), cross(arm_b, push))
+    impulse = plus(times(d1, first), times(d2, second))
+    _apply_impulse(world, a, b, impulse, cross(arm_a, impulse), cross(arm_b, impulse))
     return math.sqrt(d1 * d1 + d2 * d2)
 
 
 @compiled
-def pushed(hit: Any) -> float:
+def normal_impulse(hit: Any) -> float:
     """Return the sum of the normal impulses of a contact, N s."""
     total = 0.0
     for k in range(4):
@@ -237,7 +237,7 @@ def _sweep(world: int, sweeps: int, part: int, scale: float) -> float:
             change = _sweep_friction(world, impact[hit]) if part == _FRICTION else 0.0
             least = impact[hit, BOUNCE] if part == _FRICTION else 0.0
             change = max(change, _sweep_points(world, impact[hit], part == _PLASTIC, least, part == _THROWN))
-            scale = max(scale, pushed(impact[hit])) if part == _PLASTIC else scale
+            scale = max(scale, normal_impulse(impact[hit])) if part == _PLASTIC else scale
             if change > _TOLERANCE * scale:
                 note_change(world, int(impact[hit, ROW]), sweep)
                 settled = False
@@ -251,7 +251,7 @@ def _find_friction(world: int, scale: float, sweeps: int) -> None:
     """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
-        total = pushed(impact[hit])
+        total = normal_impulse(impact[hit])
         for k in range(4):
             total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
@@ -269,4 +269,4 @@ def _apply_restitution(world: int, hit: Any) -> None:
         if d > 0.0:
             point[IMPULSE] += d
             turn_a, turn_b = times(d, _at(point, TURN_A)), times(d, _at(point, TURN_B))
-            _push(world, contact[row, c.BODY_A], contact[row, c.BODY_B], times(d, normal), turn_a, turn_b)
+            _apply_impulse(world, contact[row, c.BODY_A], contact[row, c.BODY_B], times(d, normal), turn_a, turn_b)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.filters import push
+from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
 from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
 from kickdrift.world.direct.layout import (
@@ -251,7 +251,7 @@ def _find_touching(world: int) -> None:
     contacts, bodies, links = integers(world, CONTACT), integers(world, BODY), integers(world, LINK)
     islands, nodes = integers(world, ISLAND), integers(world, NODE)
     for row in range(rows(world, CONTACT)):
-        if not push(contacts, row):
+        if not is_solid(contacts, row):
             continue
         a = abs(bodies[contacts[row, CONTACT_A], LINK_PLACE]) - 1
         b = abs(bodies[contacts[row, CONTACT_B], LINK_PLACE]) - 1

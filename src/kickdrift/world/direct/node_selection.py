@@ -1,7 +1,7 @@
 """Selection of the bodies that are solved directly: links of articulations, free bodies near them, and unsolved heaps."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.filters import push
+from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND
 from kickdrift.world.direct.linked_contacts import bodies_of
@@ -55,7 +55,7 @@ def find_nodes(t: float, h: float, world: int) -> None:
     for _ in range(FARTHEST):
         begun = count
         for row in range(rows(world, CONTACT)):
-            if not push(contact, row):
+            if not is_solid(contact, row):
                 continue
             a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
             node_a, node_b = _is_node(world, a, begun), _is_node(world, b, begun)

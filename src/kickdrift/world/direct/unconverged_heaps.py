@@ -12,7 +12,7 @@ of ten cubes, each 1.5 times as large as the one below, leans so far that it fal
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
 from kickdrift.world.collision.body_acceleration import acceleration, weight_per_mass
-from kickdrift.world.collision.filters import push
+from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batching import CROWD
@@ -168,7 +168,7 @@ def _join_heaps(h: float, world: int) -> None:
         body[row, HEAP], body[row, HEAP_SIZE], body[row, HEAP_UNSOLVED] = row, 0, 0
     for row in range(rows(world, CONTACT)):
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-        if push(contact, row) and _is_free(world, a) and _is_free(world, b):
+        if is_solid(contact, row) and _is_free(world, a) and _is_free(world, b):
             unite(body, HEAP, a, b)
     for row in range(rows(world, BODY)):
         if _is_free(world, row):

@@ -1,9 +1,8 @@
-"""Rollback of a step to the state at its beginning, to the last bit; and identification of a body lost to infinity."""
+"""Rollback of a step to the state at its beginning, to the last bit."""
 
 import numpy as np
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.errors import LostBodyError
 from kickdrift.core.vectors import is_scaled, unit
 from kickdrift.world.cloth.motion import roll_back_cloths
 from kickdrift.world.collision.search_state import shapes_changed
@@ -12,21 +11,16 @@ from kickdrift.world.contacts.batching import roll_back_impulses
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
     AWAKE,
     BODY_KIND,
-    BOUNDING_RADIUS,
     DYNAMIC,
     INERTIA_KIND,
-    INVERSE_INERTIA,
     INVERSE_INERTIA_IN_WORLD,
     ISOTROPIC,
     KICK,
-    KINEMATIC,
     LEFT_POSE,
     LEFT_TURN,
     LOWER,
-    MASS,
     ORIENTATION,
     RESIDUAL_SIZE,
     SPIN,
@@ -46,11 +40,9 @@ from kickdrift.world.tables import (
     INVERSE_MASS,
     JOINT_NUMBERS,
     KICKED,
-    LOAD,
     MEMBER,
     MOTION,
     POSE,
-    RESTED,
     SETTINGS,
     STARTED_JOINTS,
     STARTED_MOTION,
@@ -69,8 +61,6 @@ STARTED_SPIN = column(STARTED_ROTATION, 3, "kg m^2/s")
 STARTED_LEFT_TURN = column(STARTED_ROTATION, 3, "rad/s")
 STARTED_LEFT_POSE = column(STARTED_ROTATION, 4)
 STARTED_INERTIA = column(STARTED_ROTATION, 6, "1/(kg m^2)")
-
-_FAR = 1e100  # m or m/s: counts as infinite
 
 
 @compiled
@@ -122,41 +112,6 @@ def _keep_rotation(world: int, body: int) -> None:
         kept[body, STARTED_INERTIA + k] = inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k]
 
 
-def find_lost_body(tables: Tables, step: float, found: int) -> int:
-    """Return the row of the body that was lost.
-
-    Bodies connected by joints are lost together: it is one whose pose was not finite before, or else the fastest one, or the
-    one with the largest forces.
-
-    Parameters
-    ----------
-    tables : Tables
-        Of the world, after the step.
-    step : float
-        s.
-    found : int
-        Row of a body whose pose or velocity is not finite.
-    """
-    now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
-    moves = tables.array(BODY)[:, BODY_KIND] >= KINEMATIC
-    lost = moves & ~(np.abs(now) < _FAR).all(axis=1)
-    motion, load = tables.array(STARTED_MOTION), tables.array(LOAD)
-    inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, BOUNDING_RADIUS]
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        per_force = np.where(inertia[:, MASS] > 0.0, 1.0 / inertia[:, MASS], 0.0)
-        per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
-        pushes = (
-            np.abs(motion[:, :3]).max(axis=1),
-            np.abs(motion[:, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]).max(axis=1) * reach,
-            np.abs(load[:, :3]).max(axis=1) * per_force * step,
-            np.abs(load[:, 3:6]).max(axis=1) * per_torque * step * reach,
-        )
-        speeds = np.max(pushes, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
-    speeds = np.where(np.isfinite(speeds), speeds, np.inf)
-    of = moves & (lost | (speeds > _FAR))
-    return int(np.argmax(np.where(of, speeds, -1.0))) if of.any() else found
-
-
 def roll_back(tables: Tables) -> None:
     """Restore a world to the beginning of the step; pairs of shapes without finite bounds are sought again."""
     tables.array(POSE)[:] = tables.array(STARTED_POSE)
@@ -184,26 +139,3 @@ def _roll_back_rotations(tables: Tables) -> None:
         (inverse_mass, INVERSE_INERTIA_IN_WORLD, 6, STARTED_INERTIA),
     ):
         table[tumbles, first : first + size] = kept[tumbles, started : started + size]
-
-
-def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBodyError:
-    """Return the error that names the lost body and the step; the world is at the beginning of the step."""
-    pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
-    if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():
-        why = "Its forces or velocities are too large for the step: use a smaller one."
-    else:
-        why = (
-            "Its pose or velocity was set to a value that is not finite, or its orientation to zero: set valid values."
-        )
-    return LostBodyError(
-        f"{words} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
-    )
-
-
-def lost_cloth_error(words: str, step: int) -> LostBodyError:
-    """Return the error that names the lost cloth and the step; the world is at the beginning of the step."""
-    return LostBodyError(
-        f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. Its"
-        " positions or velocities were set to values that are not finite, its triangles have no area, or it was"
-        " stretched too fast for the step: use a smaller one."
-    )

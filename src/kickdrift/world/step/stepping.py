@@ -28,7 +28,8 @@ from kickdrift.world.recordings.recorder import Recorder
 from kickdrift.world.step import status as step_status
 from kickdrift.world.step.compiling import compile_step
 from kickdrift.world.step.loop import run
-from kickdrift.world.step.rollback import find_lost_body, lost_body_error, lost_cloth_error, roll_back
+from kickdrift.world.step.lost_bodies import find_lost_body, lost_body_error, lost_cloth_error
+from kickdrift.world.step.rollback import roll_back
 from kickdrift.world.step.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step.subdivision import do_parts
 from kickdrift.world.tables import (

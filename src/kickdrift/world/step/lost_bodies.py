@@ -1,0 +1,67 @@
+"""Bodies and cloths that are lost to infinity: which body it was, and the errors that report it."""
+
+import numpy as np
+
+from kickdrift.core.errors import LostBodyError
+from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, BOUNDING_RADIUS, INVERSE_INERTIA, KINEMATIC, MASS
+from kickdrift.world.tables import BODY, INERTIA, LOAD, MOTION, POSE, RESTED, STARTED_MOTION, STARTED_POSE, Tables
+
+_FAR = 1e100  # m or m/s: counts as infinite
+
+
+def find_lost_body(tables: Tables, step: float, found: int) -> int:
+    """Return the row of the body that was lost.
+
+    Bodies connected by joints are lost together: it is one whose pose was not finite before, or else the fastest one, or the
+    one with the largest forces.
+
+    Parameters
+    ----------
+    tables : Tables
+        Of the world, after the step.
+    step : float
+        s.
+    found : int
+        Row of a body whose pose or velocity is not finite.
+    """
+    now = np.hstack((tables.array(POSE)[:, :7], tables.array(MOTION)[:, :6]))
+    moves = tables.array(BODY)[:, BODY_KIND] >= KINEMATIC
+    lost = moves & ~(np.abs(now) < _FAR).all(axis=1)
+    motion, load = tables.array(STARTED_MOTION), tables.array(LOAD)
+    inertia, reach = tables.array(INERTIA), tables.array(RESTED)[:, BOUNDING_RADIUS]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        per_force = np.where(inertia[:, MASS] > 0.0, 1.0 / inertia[:, MASS], 0.0)
+        per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
+        gained = (
+            np.abs(motion[:, :3]).max(axis=1),
+            np.abs(motion[:, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]).max(axis=1) * reach,
+            np.abs(load[:, :3]).max(axis=1) * per_force * step,
+            np.abs(load[:, 3:6]).max(axis=1) * per_torque * step * reach,
+        )
+        speeds = np.max(gained, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
+    speeds = np.where(np.isfinite(speeds), speeds, np.inf)
+    of = moves & (lost | (speeds > _FAR))
+    return int(np.argmax(np.where(of, speeds, -1.0))) if of.any() else found
+
+
+def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBodyError:
+    """Return the error that names the lost body and the step; the world is at the beginning of the step."""
+    pose, motion = tables.array(POSE)[body, :7], tables.array(MOTION)[body, :6]
+    if np.isfinite(pose).all() and np.isfinite(motion).all() and pose[3:].any():
+        why = "Its forces or velocities are too large for the step: use a smaller one."
+    else:
+        why = (
+            "Its pose or velocity was set to a value that is not finite, or its orientation to zero: set valid values."
+        )
+    return LostBodyError(
+        f"{words} was lost to infinity in step {step}; all bodies are where they were before it. {why}"
+    )
+
+
+def lost_cloth_error(words: str, step: int) -> LostBodyError:
+    """Return the error that names the lost cloth and the step; the world is at the beginning of the step."""
+    return LostBodyError(
+        f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. Its"
+        " positions or velocities were set to values that are not finite, its triangles have no area, or it was"
+        " stretched too fast for the step: use a smaller one."
+    )
