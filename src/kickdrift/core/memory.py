@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import carray, types
-from numba.core import cgutils
 from numba.core.imputils import impl_ret_borrowed
 from numba.extending import intrinsic
 from numpy.typing import NDArray
@@ -89,11 +88,15 @@ def word_in(typing_context: Any, array: Any, index: Any) -> Any:
 
 @intrinsic(prefer_literal=True)
 def floats_on_stack(typing_context: Any, size: Any) -> Any:
-    """Pointer to a fresh local buffer of a constant number of floats, which the compiler can keep in registers."""
+    """Pointer to a fresh local buffer of a constant number of floats, which the compiler can keep in registers.
+
+    Its contents are undefined: `cgutils.alloca_once` would fill it with zeros at every call of the function.
+    """
     count = size.literal_value
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        storage = cgutils.alloca_once(builder, ir.ArrayType(ir.DoubleType(), count))
+        with builder.goto_entry_block():
+            storage = builder.alloca(ir.ArrayType(ir.DoubleType(), count))
         if count >= 8:
             storage.align = 64  # vectors that cross cache lines take twice as long
         return builder.bitcast(storage, context.get_value_type(_FLOATS))
