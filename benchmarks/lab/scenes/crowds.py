@@ -32,8 +32,8 @@ def _hopper(mouth: float = 0.36, wide: float = 1.2, thick: float = 0.1) -> Trial
         builder.box(size, position=middle + thick / 2**1.5 * (out - (0.0, 0.0, 1.0)), orientation=turn, static=True)
     first = len(builder.scene().bodies)
     for x, y, z in itertools.product(range(7), range(7), range(6)):
-        place = 0.11 * np.array([x - 3, y - 3, z]) + random.uniform(-0.02, 0.02, 3)
-        builder.sphere(radius, position=place + (0.0, 0.0, 1.15), density=2500.0)
+        place = np.array([0.0, 0.0, 1.15]) + 0.11 * np.array([x - 3, y - 3, z]) + random.uniform(-0.02, 0.02, 3)
+        builder.sphere(radius, position=place, density=2500.0)
 
     def outside(scene: Scene, watched: Watched) -> float:
         place = watched.poses[:, first:, :3]
