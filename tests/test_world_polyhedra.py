@@ -192,6 +192,28 @@ def test_crossed_edges_touch_at_one_point(make):
     assert np.allclose(gaps, -0.004, atol=1e-12)
 
 
+@pytest.mark.parametrize("angle", [0.1, 0.5])
+def test_ridges_that_cross_push_perpendicular_to_both(angle):
+    slope = np.tan(angle)  # as one ridge sinks in, corners of the clipped faces are about as deep as the ridges
+    roof = np.array([(x, y, -slope * abs(y)) for x in (-1, 1) for y in (-1, 0, 1)])
+    below = Hull(np.vstack((roof, [(x, y, -2.0) for x in (-1, 1) for y in (-1, 1)])))
+    above = Hull(-below.points[:, [1, 0, 2]])
+    for gap in (0.01, 0.0, -0.002):
+        normal, on_a, _, gaps, _ = collide(below, above, (0.1, 0.07, gap), UPRIGHT)
+        assert np.allclose(normal, (0.0, 0.0, 1.0), atol=1e-12)
+        assert np.allclose(on_a, [(0.1, 0.0, 0.0)], atol=1e-12)
+        assert np.allclose(gaps, gap, atol=1e-12)
+
+
+def test_edges_of_boxes_that_cross_push_perpendicular_to_both():
+    a, b = Box((0.14, 2.0, 0.25)), Box((0.4, 2.0, 1.0))
+    orientation = np.array((0.616822, -0.229339, -0.506747, 0.556903))
+    normal, _, _, gaps, _ = collide(a, b, (-0.74656, -0.49656, -0.00344), orientation / np.linalg.norm(orientation))
+    difference = corners(a)[:, None] - (corners(b) @ Rotation.from_quat(orientation, scalar_first=True).as_matrix().T)
+    least = np.min(-(difference @ normal)) + normal @ (-0.74656, -0.49656, -0.00344)
+    assert abs(gaps.min() - least) < 1e-9
+
+
 def swapped(feature):
     """The same features when the shapes change places: vertices of a follow those of b, then come pairs of edges."""
     if feature < 256:

@@ -56,6 +56,8 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
             if count > 0 or gap > 0.0:
                 return count
         by_b = b_first != (attempt % 2 == 1)
+        if attempt < 2 and (gap_b if by_b else gap_a) < gap - off:
+            continue
         own, own_frame, face, other, other_frame = (b, frame, face_b, a, rest) if by_b else (a, rest, face_a, b, frame)
         count, depth = _clipped(own, own_frame, face, other, other_frame, by_b, margin, SLACK * tolerance, candidates)
         if count > 0 and (attempt >= 2 or abs(depth - gap) <= off):

@@ -135,7 +135,7 @@ def touching(
                 return count
         by_b = b_first != (attempt % 2 == 1)
         own, own_seen, face, other, other_seen = (b, b_seen, face_b, a, a) if by_b else (a, a, face_a, b, b_seen)
-        if face < 0:
+        if face < 0 or (attempt < 2 and (gap_b if by_b else gap_a) < gap - off):
             continue
         normal, _ = plane(own_seen, face)
         met = incident_face(other, other_seen, normal)
