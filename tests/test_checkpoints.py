@@ -119,6 +119,24 @@ def test_a_later_end_goes_on(tmp_path):
     same(solve(tmp_path / "run", end=50.0), solve(end=50.0))
 
 
+def test_an_end_before_all_checkpoints_starts_anew_and_keeps_its_own(tmp_path):
+    solve(tmp_path)
+    there = files(tmp_path)
+    same(solve(tmp_path, end=30.0, every=300), solve(end=30.0))
+    assert files(tmp_path) == sorted([*there, "step-000000000001800.npz", "step-000000000001920.npz"])
+    for others in ({"problem": lambda x: -2 * x}, {"events": crossing}):
+        with pytest.raises(kd.ArgumentError, match="belongs to another run"):
+            solve(tmp_path, end=10.0, **others)
+
+
+def test_a_folder_for_rows_is_not_held_by_a_run_whose_checkpoints_are_refused(tmp_path):
+    pytest.importorskip("zarr")
+    to_disk = {"end": 1.0, "save_to": tmp_path / "run.zarr"}
+    with pytest.raises(kd.ArgumentError, match="in an existing folder"):
+        solve(tmp_path / "none" / "checkpoints", **to_disk)
+    assert solve(tmp_path / "checkpoints", **to_disk).success
+
+
 def test_steps_that_differ_by_rounding_are_those_of_the_first_part(tmp_path):
     first = solve(tmp_path / "run", end=0.29, step=0.01)
     assert first.step != solve(end=0.7, step=0.01).step

@@ -308,6 +308,13 @@ def test_members_with_impacts_or_switches_run_in_turn_with_the_bits_of_runs_alon
         assert is_member(sol, i, problem, x[i], v[i], args=args[i], **options)
 
 
+def test_a_member_alone_in_its_turn_may_start_beyond_a_surface():
+    options = {"step": 0.01, "impacts": lambda x: x, "t_eval": [0.0, 1.0]}
+    sol = kd.solve_ensemble(lambda x: -1.0 + 0.0 * x, (0.0, 1.0), x0=[1.0, -1.0], v0=[0.0, 0.0], **options)
+    assert sol.status[0] is Outcome.COMPLETED
+    assert "gap 0 is -1.0 at the start" in sol.messages[1]
+
+
 def test_times_between_steps_are_kept():
     x, v = starts(3)
     sol = kd.solve_ensemble(gravity, SPAN, x, v, step=0.1, t_eval=[0.33, 2.0, 0.5])

@@ -8,7 +8,7 @@ from threading import Lock
 
 from kickdrift.cli import DONE, first_calls
 from kickdrift.cli.output import say
-from kickdrift.core.parallel_compile import compile_together, missing, processes_for, seconds_for
+from kickdrift.core.parallel_compile import compile_together, missing, processes_for
 from kickdrift.engine import letters
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.progress import Bar
@@ -20,8 +20,8 @@ def compile_all(quiet: bool) -> int:
     jobs, started = missing([*all_jobs(), *letters.shared()]), time.perf_counter()
     finished, lock, wanted = 0, Lock(), False if quiet else None
     with (
-        compiling_announced(wanted, f"{len(jobs)} functions", seconds_for(jobs)),
-        closing(Bar(len(jobs) + len(first_calls.ALL), wanted, unit="function")) as bar,
+        compiling_announced(wanted, f"{len(jobs)} functions" if jobs else ""),
+        closing(Bar(len(jobs) + len(first_calls.ALL), wanted, unit="function", alike=False)) as bar,
     ):
 
         def count() -> None:

@@ -114,7 +114,8 @@ in position at the end; plots the energy errors in <system>-energy.png.
 
 COMPILE = """Compile the code of worlds, pictures, systems and most methods in advance, on all cores.
 
-Existing compiled code is kept. Without this command, each run compiles the code that it lacks.
+It takes minutes, once on a machine. Existing compiled code is kept. Without this command, each run compiles the code that it
+lacks.
 
 \b
   kickdrift compile

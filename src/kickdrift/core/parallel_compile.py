@@ -24,8 +24,6 @@ from kickdrift.core.dispatcher import no_collector
 _MOST_PROCESSES = 4  # each takes 0.4 GB
 _FEWEST_JOBS = 4  # to start a process takes as long as compiling one or two functions
 
-_SECONDS = 1.0e-4  # for a byte of Python's bytecode: a world of joints and bounces has 220,000 and takes one core 22 s
-
 Job = tuple[Function, Any]  # a function and a signature
 Place = tuple[
     Callable[..., Function], tuple[Any, ...]
@@ -158,12 +156,6 @@ def _places(jobs: list[Job]) -> dict[int, Place]:
         for name, value in list(vars(module).items())
         if hasattr(value, "py_func") and value.stats.cache_path is not None
     }
-
-
-def seconds_for(jobs: list[Job]) -> float:
-    """Return an estimate of the time that compiling takes, s."""
-    largest = max((_size(family) for family in _families(jobs)), default=0)
-    return _SECONDS * max(largest, _size(jobs) / processes_for(len(jobs)))
 
 
 def processes_for(jobs: int) -> int:

@@ -14,9 +14,7 @@ from kickdrift.core.dispatcher import told_of_compiling
 _A_MOMENT = 1.0  # s; loading compiled code from disk takes 0.3
 
 
-def compiling_announced(
-    wanted: bool | None = None, what: str = "", seconds: float = 0.0
-) -> AbstractContextManager[object]:
+def compiling_announced(wanted: bool | None = None, what: str = "") -> AbstractContextManager[object]:
     """Announce compilation in a block that takes longer than a moment, unless `wanted` is False.
 
     Of nested blocks the outermost prints the messages, if they are wanted there.
@@ -25,13 +23,13 @@ def compiling_announced(
     ----------
     wanted : bool or None
     what : str
-        What will be compiled, if that is known in advance.
-    seconds : float
-        Estimate of the time that this takes; if it is longer than a moment, it is announced at once.
+        What will be compiled, if that is known in advance. How long it takes is not: an estimate by the size of the code was
+        a fifth of what a busy machine took.
     """
     around = _around.get()
     wait = _Wait(wanted is not False) if around is None else around
-    wait.expect(what, seconds)
+    if what:
+        wait.begin(what)
     return wait if around is None else nullcontext()
 
 
@@ -39,7 +37,7 @@ class _Wait:
     """The messages of one block: none, unless something is compiled."""
 
     def __init__(self, wanted: bool) -> None:
-        self._wanted, self._said, self._started = wanted, False, 0.0
+        self._wanted, self._said, self._started, self._what = wanted, False, 0.0, ""
         self._timer: threading.Timer | None = None
 
     def __enter__(self) -> None:
@@ -51,17 +49,12 @@ class _Wait:
         _around.reset(around)
         self.end()
 
-    def expect(self, what: str, seconds: float) -> None:
-        """Announce something that is expected to take some time."""
-        if seconds > _A_MOMENT:
-            self._begin()
-            self._say(f"compiling {what} once on this machine, about {seconds:.0f} s ...")
-
-    def begin(self) -> None:
-        """Note that compilation has begun; announce it if it takes longer than a moment."""
+    def begin(self, what: str = "") -> None:
+        """Note that compilation has begun, and of what; announce it if it takes longer than a moment."""
+        self._what = self._what or what
         if self._wanted and self._timer is None:
-            self._begin()
-            self._timer = threading.Timer(_A_MOMENT, self._say, ["compiling; this takes some seconds ..."])
+            self._started = time.perf_counter()
+            self._timer = threading.Timer(_A_MOMENT, self._say)
             self._timer.daemon = True
             self._timer.start()
 
@@ -73,13 +66,13 @@ class _Wait:
         if self._said:
             _print(f"compiled in {time.perf_counter() - self._started:.1f} s.")
 
-    def _begin(self) -> None:
-        self._started = self._started or time.perf_counter()
-
-    def _say(self, sentence: str) -> None:
-        if self._wanted and not self._said:
-            self._said = True
-            _print(sentence)
+    def _say(self) -> None:
+        self._said = True
+        _print(
+            f"compiling {self._what} once on this machine ..."
+            if self._what
+            else "compiling; this takes some seconds ..."
+        )
 
 
 _around: ContextVar[_Wait | None] = ContextVar("_around", default=None)

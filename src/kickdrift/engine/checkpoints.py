@@ -110,7 +110,8 @@ class Checkpoints:
         archive.write(self.folder / f"step-{step:015d}.npz", {**named, **header}, arrays, compressed=False)
         self._newest = step
         if self._keep is not None:
-            for older in self._steps()[self._keep :]:
+            before = [kept for kept in self._steps() if kept <= step]  # those beyond are of a run to a later end
+            for older in before[self._keep :]:
                 with suppress(OSError):
                     self._file(older).unlink()
 
@@ -125,7 +126,9 @@ class Checkpoints:
             If all are damaged.
         """
         damaged: list[str] = []
-        for step in (step for step in self._steps() if last is None or step <= last):
+        steps = self._steps()
+        usable = [step for step in steps if last is None or step <= last]
+        for step in usable or steps:
             try:
                 found = archive.read(self._file(step), "a checkpoint", "kickdrift", _assemble)
             except FileFormatError as error:
@@ -133,6 +136,8 @@ class Checkpoints:
                 continue
             header, arrays = found
             self._check(header)
+            if not usable:  # the same run, to an earlier end than any checkpoint
+                return None
             self._newest = step
             said = f" It resumed from step {step}, stored in {str(self.folder)!r}."
             return Found(

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,7 @@ from kickdrift.systems.system import Frame, System
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Processing:
+class Processing(NamedTuple):
     """A method compiled for a system: the kernel, which the loop repeats, a preprocessor and a postprocessor.
 
     The loop works in the coordinates of the split, if the method uses one. Before the first step the preprocessor applies the

@@ -14,11 +14,13 @@ _MANY = 10_000  # from which steps are counted in thousands and millions; fewer 
 class Bar:
     """A progress bar: always, never, or (None) on a terminal and in a notebook if a run is expected to be long.
 
-    Within `told_of_steps` there is none, and the function given there is called instead.
+    Within `told_of_steps` there is none, and the function given there is called instead. Where steps are not `alike`, it does
+    not show how long the remaining ones will take.
     """
 
-    def __init__(self, n_steps: int, wanted: bool | None, unit: str = "step") -> None:
+    def __init__(self, n_steps: int, wanted: bool | None, unit: str = "step", alike: bool = True) -> None:
         self._n_steps, self._unit, self._tell = n_steps, unit, _told.get()
+        self._format = None if alike else "{l_bar}{bar}| {n_fmt}/{total_fmt} {unit}s [{elapsed}]"
         self._possible = (sys.stderr.isatty() or _in_notebook() if wanted is None else wanted) and self._tell is None
         self._from_seconds = 0.0 if wanted else _SHORT_RUN_SECONDS
         self._bar: Any = None
@@ -29,7 +31,8 @@ class Bar:
             self._tell(step)
         if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:
             many = self._n_steps >= _MANY
-            self._bar = _tqdm()(total=self._n_steps, unit=self._unit, unit_scale=many, leave=False, file=sys.stderr)
+            shown = {"unit": self._unit, "unit_scale": many, "bar_format": self._format}
+            self._bar = _tqdm()(total=self._n_steps, leave=False, file=sys.stderr, **shown)
         if self._bar is not None:
             self._bar.update(step - self._bar.n)
 

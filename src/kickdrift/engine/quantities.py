@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import address_of, call_interpreted, caller
 from kickdrift.core.compilation import Function, compiled, is_users, reorders, specialise, unbound
 from kickdrift.core.kinds import Kind
-from kickdrift.core.memory import floats_at
+from kickdrift.core.memory import floats_at, start_of_array
 from kickdrift.core.naming import comes_with_kickdrift, specialised_name
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.systems.system import Quantity, System
@@ -99,7 +99,7 @@ def evaluate_quantity(
         native = quantity.function if users else _native(quantity.function, system.packaged)
         xs, vs = np.ascontiguousarray(xs), np.ascontiguousarray(vs)
         sizes = xs.shape[1], vs.shape[1], quantity.size, *params.shape
-        addresses = [array.ctypes.data for array in (xs, vs, params, out)]
+        addresses = [start_of_array(array) for array in (xs, vs, params, out)]
         inside = (
             users and t.size >= _MANY and not reorders(native)
         )  # or else its bits would depend on how many rows there are
@@ -118,7 +118,7 @@ def energy_lost(system: System, t: Floats, x: Floats, v: Floats) -> str:
     conserved = Kind.HAMILTONIAN.includes(system.kind) or system.kind is Kind.CONSTRAINED
     times = 0.0
     if "energy" in system.quantities and t.size > 1 and conserved:
-        with suppress(Exception), np.errstate(all="ignore"):
+        with suppress(Exception):
             times = _times_its_size(system, t, x, v)
     if not 1.0 < times < np.inf:
         return ""
@@ -127,10 +127,11 @@ def energy_lost(system: System, t: Floats, x: Floats, v: Floats) -> str:
 
 def _times_its_size(system: System, t: Floats, x: Floats, v: Floats) -> float:
     """Change of the energy over its parts at the start; 0.0 where forces change with time."""
-    rows, start, end = [0, 0, -1], x[:1], x[-1:]
-    states = np.concatenate((start, start, end)), np.concatenate((np.zeros_like(v[:1]), v[:1], v[-1:]))
-    potential, first, last = evaluate(system, "energy", t[rows], *states)
-    times = float(abs(last - first) / (abs(potential) + abs(first - potential)))
+    rows = [0, 0, -1]
+    moving = v[rows]
+    moving[0] = 0.0
+    potential, first, last = evaluate(system, "energy", t[rows], x[rows], moving).tolist()
+    times = abs(last - first) / (abs(potential) + abs(first - potential))
     return times if times > 1.0 and not _is_driven(system, t, x[-1], v[-1]) else 0.0
 
 
@@ -142,5 +143,6 @@ def _is_driven(system: System, t: Floats, x: Floats, v: Floats) -> bool:
         if system.native:
             call_flat(system.acceleration, *arguments)
         else:
-            system.acceleration(*arguments)
+            with np.errstate(all="ignore"):
+                system.acceleration(*arguments)
     return not np.array_equal(*accelerations)

@@ -2,7 +2,7 @@
 
 import sys
 import time
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,7 @@ _NOTHING = Stretch(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 
 
-@dataclass(frozen=True)
-class Checkpoint:
+class Checkpoint(NamedTuple):
     """A state to go back to: the copy, the step after which it was made, and how far the rows were by then."""
 
     state: State
@@ -37,8 +36,7 @@ class Checkpoint:
     mark: Mark
 
 
-@dataclass(frozen=True)
-class Ending:
+class Ending(NamedTuple):
     """How a run ended: outcome and sentence, steps, rows filled, evaluations, seconds in the loop, estimated errors.
 
     And the zero of an event that ended it, the smallest and the largest step, and how many steps were tried.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -214,8 +215,12 @@ def solve(
                 known = identity_of(
                     problem, grid, start, params, chosen.method, compensated, compiles, events, steering
                 )
-                store = store_of(save_to, grid, known, checkpoint is not None)
-                kept = None if checkpoint is None else Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
+                with ExitStack() as locked:  # until the journey closes them
+                    if (store := store_of(save_to, grid, known, checkpoint is not None)) is not None:
+                        locked.enter_context(closing(store))
+                    if checkpoint is not None:
+                        kept = Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
+                    locked.pop_all()
             journey = Journey(task, checkpoints=kept, store=store)
     except MemoryError as error:
         raise ArgumentError(

@@ -1,8 +1,7 @@
 """The progress of a run, from which it can continue."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -11,8 +10,7 @@ from kickdrift.engine.stepper import State
 from kickdrift.engine.zeros import Seen
 
 
-@dataclass(frozen=True, eq=False)
-class Standing:
+class Standing(NamedTuple):
     """The progress of a run.
 
     Attributes

@@ -1,7 +1,7 @@
 """Runs with units: `solve` converts quantities to numbers, and its solution converts them back."""
 
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from kickdrift.systems.units import Units
 _NONE = Units()
 
 
-@dataclass(frozen=True)
-class Entered:
+class Entered(NamedTuple):
     """The arguments of `solve` as plain numbers, and the units of its solution.
 
     Attributes
@@ -37,7 +36,7 @@ class Entered:
 
     def leave(self, solution: Solution) -> Solution:
         """Attach units to a solution, if there are any."""
-        if self.outside == _NONE:
+        if self.outside is _NONE:
             return solution
         return UnitSolution.of(solution, self.inside, self.outside)
 

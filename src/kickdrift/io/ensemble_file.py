@@ -100,9 +100,7 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> EnsembleSolution:
 def _events(
     arrays: dict[str, Any], members: int, shape: tuple[int, ...], shape_of_v: tuple[int, ...]
 ) -> dict[str, Any]:
-    """Return the zeros of events in a file; earlier files have none."""
-    if "n_events" not in arrays:
-        return {}
+    """Return the zeros of events in a file."""
     zeros = _separated(arrays, members, "events", shape, shape_of_v)
     return {name: tuple(own[k] for own in zeros) for k, name in enumerate(EVENTS)}
 

@@ -72,6 +72,8 @@ def _run_courses(
         of_control, _, good = prepared.cut_numbers(indices, numbers[0][indices], numbers[1][indices])
     else:
         of_control, good = _numbers_of_control(prepared, numbers[2][indices], indices), np.full(indices.size, True)
+    if not good.any():
+        return good
     which = indices[good]
     courses = run_courses(_driven(prepared, grid), between, grid, *_of(which, numbers, results), of_control[good], most)
     good[good] = courses.good

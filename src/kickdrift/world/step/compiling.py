@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from kickdrift.core.parallel_compile import Job, compile_together, missing, seconds_for
+from kickdrift.core.parallel_compile import Job, compile_together, missing
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.dispatch import extents_of
@@ -20,8 +20,7 @@ def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, i
     """Compile the stages of a step and the functions for kinds of shapes and their pairs, unless they are on disk."""
     jobs = missing(_jobs(spelt, kinds, pairs))
     if jobs:
-        largest = max(jobs, key=lambda job: seconds_for([job]))[0].__name__
-        with compiling_announced(None, f"{len(jobs)} functions of the step ({largest}, ...)", seconds_for(jobs)):
+        with compiling_announced(None, f"{len(jobs)} functions of the step"):
             compile_together(jobs)
 
 
