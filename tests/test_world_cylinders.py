@@ -327,3 +327,10 @@ def test_the_apex_of_a_cone_touches_the_side_of_a_cylinder_where_it_is(depth):
     assert manifold[:3] == pytest.approx((0.0, 1.0, 0.0), abs=0.01)
     assert manifold[8:11] == pytest.approx((0.0, 0.2, 0.0), abs=2e-3)
     assert manifold[11:14] == pytest.approx((0.0, 0.0, 0.3), abs=2e-3)
+
+
+def test_cones_that_are_apart_do_not_push_each_other():
+    turn = np.array((-0.432756, 0.724374, 0.364195, -0.394166))
+    pose = np.concatenate(((0.3125, 0.40625, 0.03125), turn / np.linalg.norm(turn)))  # 26 mm apart
+    small, flat = np.array([0.125, 0.0, 0.25]), np.array([1.208342, 0.0, 0.278778])
+    assert count_contacts((CONE, CONE), small, flat, pose, 0.02, np.zeros(64)) == 0

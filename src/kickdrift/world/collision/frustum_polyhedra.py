@@ -96,7 +96,7 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
     number, t, normal, gap_edge = _NONE, 0.0, below, -np.inf
     if not (_is_end_best(f, upper, corner, gap_end) if gap_end > gap_face else _is_face_best(f, body, seen, face)):
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
-        if gap_edge > margin or (number == _NONE and near == 0 and not _is_inside(seen, _point_on_face(f, seen, face))):
+        if gap_edge > margin or (number == _NONE and not _is_inside(seen, _point_on_face(f, seen, face))):
             return 0
     best = max(flat, gap_edge)
     tolerance = tolerance_of(margin, min(body[THICKNESS], min(f[2], max(f[0], f[1]))))
