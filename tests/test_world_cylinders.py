@@ -350,3 +350,12 @@ def test_a_ridge_that_leans_on_the_rim_of_a_cylinder_tips_onto_its_end(degrees):
     )
     world.advance(STEP, 120)
     assert abs(rotation_matrix(ridge.orientation)[2, 0]) < 1e-3
+
+
+def test_a_cone_touches_the_long_edge_of_a_column_where_it_is():
+    turn = np.array((0.35652, -0.414327, -0.297535, 0.782751))
+    pose = np.concatenate(((0.419284, -0.411303, 0.170677), turn / np.linalg.norm(turn)))
+    column, cone, manifold = np.array([0.25, 0.25, 1.187837]), np.array([0.5, 0.0, 0.095627]), np.zeros(64)
+    assert count_contacts((BOX, CONE), column, cone, pose, 0.02, manifold) == 1
+    assert math.hypot(manifold[11], manifold[12]) <= 0.5 + 1e-3
+    assert abs(manifold[13]) <= 0.095627 + 1e-3
