@@ -327,3 +327,35 @@ def test_the_apex_of_a_cone_touches_the_side_of_a_cylinder_where_it_is(depth):
     assert manifold[:3] == pytest.approx((0.0, 1.0, 0.0), abs=0.01)
     assert manifold[8:11] == pytest.approx((0.0, 0.2, 0.0), abs=2e-3)
     assert manifold[11:14] == pytest.approx((0.0, 0.0, 0.3), abs=2e-3)
+
+
+def test_cones_that_are_apart_do_not_push_each_other():
+    turn = np.array((-0.432756, 0.724374, 0.364195, -0.394166))
+    pose = np.concatenate(((0.3125, 0.40625, 0.03125), turn / np.linalg.norm(turn)))  # 26 mm apart
+    small, flat = np.array([0.125, 0.0, 0.25]), np.array([1.208342, 0.0, 0.278778])
+    assert count_contacts((CONE, CONE), small, flat, pose, 0.02, np.zeros(64)) == 0
+
+
+@pytest.mark.parametrize("degrees", [2, 5, 10])
+def test_a_ridge_that_leans_on_the_rim_of_a_cylinder_tips_onto_its_end(degrees):
+    world, tilt = kd.World(), math.radians(degrees)
+    world.add_cylinder(0.25, 1.0, position=(0, 0, -0.5), static=True, friction=0.6)
+    corners = [(x, y, z) for x in (-1, 1) for y, z in ((0.0, -0.05), (-0.08, 0.05), (0.08, 0.05))]
+    ridge = world.add_hull(
+        corners,
+        position=(0, 0, 0.25 * math.tan(tilt) + 0.05 / math.cos(tilt)),
+        orientation=(math.cos(tilt / 2), 0, math.sin(tilt / 2), 0),
+        mass=1.0,
+        friction=0.6,
+    )
+    world.advance(STEP, 120)
+    assert abs(rotation_matrix(ridge.orientation)[2, 0]) < 1e-3
+
+
+def test_a_cone_touches_the_long_edge_of_a_column_where_it_is():
+    turn = np.array((0.35652, -0.414327, -0.297535, 0.782751))
+    pose = np.concatenate(((0.419284, -0.411303, 0.170677), turn / np.linalg.norm(turn)))
+    column, cone, manifold = np.array([0.25, 0.25, 1.187837]), np.array([0.5, 0.0, 0.095627]), np.zeros(64)
+    assert count_contacts((BOX, CONE), column, cone, pose, 0.02, manifold) == 1
+    assert math.hypot(manifold[11], manifold[12]) <= 0.5 + 1e-3
+    assert abs(manifold[13]) <= 0.095627 + 1e-3

@@ -14,8 +14,8 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.collision.clipping import CORNER, LABEL, clip
 from kickdrift.world.collision.face_preference import SLACK
-from kickdrift.world.collision.frustum_round import FLAT_ON, line_of, lowest_direction, over_end
-from kickdrift.world.collision.lying_capsules import ASTRAY, FLAT, SHORT, STEEP, beside
+from kickdrift.world.collision.frustum_round import FLAT_ON, along_frustum, lowest_direction
+from kickdrift.world.collision.lying_capsules import FLAT, STEEP
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.manifold_reduction import CANDIDATE, FEATURES, SEPARATION, choose, put_candidate
 from kickdrift.world.collision.polyhedra_faces import incident_face
@@ -138,23 +138,16 @@ def touch_edge(
     half = length(way)
     axis = times(1.0 / max(half, 1e-300), way)
     at = (2.0 * t - 1.0) * half
-    low, high = at, at
-    reach = max(f[0], f[1])
-    if abs(normal[2]) > FLAT and abs(dot(normal, axis)) <= STEEP:
-        low, high = over_end(f, normal[2] > 0.0, middle, axis, -half, half)
-    if not high - low > SHORT * reach:
-        centre, line, size = line_of(f, normal)
-        low, high = beside(minus(centre, middle), axis, half, line, size, normal, at, ASTRAY * reach)
-    if not high - low > SHORT * reach:
-        low, high = at, at
-    outer = highest(f, normal)
+    x = along(middle, at, axis)
+    y = along(x, highest(f, normal) - dot(normal, x), normal)
+    contact = along_frustum(f, (middle, axis, half), max(f[0], f[1]), normal, at, y)
     count = 0
-    for k in range(2 if high > low else 1):
-        x = along(middle, low if k == 0 else high, axis)
-        gap = dot(normal, x) - outer
-        if gap <= margin:
-            feature = _OF_EDGES + 4 * number + (k if high > low else 2)
-            put_point(manifold, count, placed_back(frame, x), along(x, -gap, normal), feature)
+    for k in range(contact[0]):
+        at, y = (contact[1], contact[2]) if k == 0 else (contact[3], contact[4])
+        x = along(middle, at, axis)
+        if dot(normal, minus(x, y)) <= margin:
+            feature = _OF_EDGES + 4 * number + (k if contact[0] == 2 else 2)
+            put_point(manifold, count, placed_back(frame, x), y, feature)
             count += 1
     put_normal(manifold, directed_back(frame, times(-1.0, normal)))
     return count

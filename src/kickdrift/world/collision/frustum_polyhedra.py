@@ -96,7 +96,7 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
     number, t, normal, gap_edge = _NONE, 0.0, below, -np.inf
     if not (_is_end_best(f, upper, corner, gap_end) if gap_end > gap_face else _is_face_best(f, body, seen, face)):
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
-        if gap_edge > margin or (number == _NONE and near == 0 and not _is_inside(seen, _point_on_face(f, seen, face))):
+        if gap_edge > margin or (number == _NONE and not _is_inside(seen, _point_on_face(f, seen, face))):
             return 0
     best = max(flat, gap_edge)
     tolerance = tolerance_of(margin, min(body[THICKNESS], min(f[2], max(f[0], f[1]))))
@@ -115,12 +115,15 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
         if number == _NONE:
             return 0
+    lower = vertex(seen, support(seen, times(-1.0, normal)))
+    low = dot(normal, lower) + tolerance
     begin, last, _, _ = edge(body, number)
     p, q = vertex(seen, begin), vertex(seen, last)
-    lower = vertex(seen, support(seen, times(-1.0, normal)))
-    # In deep overlap another corner may be the deepest.
-    if dot(normal, lower) < dot(normal, along(p, t, minus(q, p))) - tolerance:
-        p = q = lower
+    if dot(normal, along(p, t, minus(q, p))) > low:  # in deep overlap another edge or corner may be the deepest
+        other, t = _deepest_below(f, body, seen, near, normal, low)
+        begin, last, _, _ = edge(body, max(other, 0))
+        p, q = (lower, lower) if other == _NONE else (vertex(seen, begin), vertex(seen, last))
+        number = number if other == _NONE else other
     return touch_edge(f, p, q, number, t, normal, margin, frame, manifold)
 
 
@@ -169,6 +172,29 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
         if gap > best + _ROUNDING * size or (ties and (lift < above - _ROUNDING * size or (even and rise < slope))):
             number, share, normal, best, above, slope = k, t, n, max(gap, best), lift, rise
     return number, share, normal, best, nearest
+
+
+@compiled
+def _deepest_below(f: Frustum, body: Any, seen: Any, near: int, normal: Vector, height: float) -> tuple[int, float]:
+    """Find the edge that is deepest in the frustum at a point below a height along a normal; `_NONE` without any.
+
+    Returns
+    -------
+    number, t
+        The edge, among those that `_edge_farthest` considers, and its deepest point as a fraction of it.
+    """
+    number, share, least = _NONE, 0.0, np.inf
+    for k in range(int(body[EDGES])):
+        begin, end, _, _ = edge(body, k)
+        if near > 0 and ((begin + 1) % near > 2 or (end + 1) % near > 2):
+            continue
+        p, q = vertex(seen, begin), vertex(seen, end)
+        t, _ = deepest(f, p, q)
+        x = along(p, t, minus(q, p))
+        distance, _ = signed_distance(f, x)
+        if distance < least and dot(normal, x) <= height:
+            number, share, least = k, t, distance
+    return number, share
 
 
 @compiled(inline=True)

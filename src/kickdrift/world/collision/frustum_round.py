@@ -10,6 +10,7 @@ from kickdrift.world.collision.lying_capsules import (
     FLAT,
     SHORT,
     STEEP,
+    Contact,
     beside,
     ends,
     foot_on_edge,
@@ -102,21 +103,42 @@ def capsule_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
     if gap - radius > margin:
         return 0
     y = along(x, -gap, normal)
+    contact = along_frustum(f, (centre, axis, half), radius, normal, t, y)
+    return put_capsule_first(contact, (centre, axis, half, radius), normal, q, margin, manifold)
+
+
+@compiled
+def along_frustum(
+    f: Frustum, segment: tuple[Vector, Vector, float], radius: float, normal: Vector, t: float, y: Vector
+) -> Contact:
+    """Return the contact points of a segment (middle, axis, half) that may lie on an end or along a line of a frustum.
+
+    Parameters
+    ----------
+    f, segment
+        The two, in the frame of the frustum.
+    radius : float
+        Length by which a range is judged short and a line sideways, m.
+    normal : (3,) tuple
+        Unit vector from the frustum to the segment.
+    t, y
+        Closest point of the segment, and that of the frustum.
+    """
+    middle, axis, half = segment
     low, high, feet = t, t, (y, y)
     if abs(normal[2]) > FLAT and abs(dot(normal, axis)) <= STEEP:
-        low, high = over_end(f, normal[2] > 0.0, centre, axis, -half, half)
+        low, high = over_end(f, normal[2] > 0.0, middle, axis, -half, half)
         z = f[2] if normal[2] > 0.0 else -f[2]
-        p, r = along(centre, low, axis), along(centre, high, axis)
+        p, r = along(middle, low, axis), along(middle, high, axis)
         feet = ((p[0], p[1], z), (r[0], r[1], z))
     if not high - low > SHORT * radius:
-        middle, line, size = line_of(f, normal)
-        low, high = beside(minus(middle, centre), axis, half, line, size, normal, t, ASTRAY * radius)
+        centre, line, size = line_of(f, normal)
+        low, high = beside(minus(centre, middle), axis, half, line, size, normal, t, ASTRAY * radius)
         feet = (
-            foot_on_edge(along(centre, low, axis), middle, line, size),
-            foot_on_edge(along(centre, high, axis), middle, line, size),
+            foot_on_edge(along(middle, low, axis), centre, line, size),
+            foot_on_edge(along(middle, high, axis), centre, line, size),
         )
-    contact = ends(centre, axis, radius, normal, t, y, (low, high), feet)
-    return put_capsule_first(contact, (centre, axis, half, radius), normal, q, margin, manifold)
+    return ends(middle, axis, radius, normal, t, y, (low, high), feet)
 
 
 @compiled(inline=True)
