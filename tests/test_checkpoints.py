@@ -124,7 +124,7 @@ def test_an_end_before_all_checkpoints_starts_anew_and_keeps_its_own(tmp_path):
     there = files(tmp_path)
     same(solve(tmp_path, end=30.0, every=300), solve(end=30.0))
     assert files(tmp_path) == sorted([*there, "step-000000000001800.npz", "step-000000000001920.npz"])
-    for others in ({"problem": lambda x: -2 * x}, {"events": crossing}):
+    for others in ({"problem": lambda x: -2 * x}, {"events": crossing}, {"step": 2 * STEP}):
         with pytest.raises(kd.ArgumentError, match="belongs to another run"):
             solve(tmp_path, end=10.0, **others)
 

@@ -16,6 +16,7 @@ import numpy as np
 from kickdrift.core import archive
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.locking import FileLock, LockedError
+from kickdrift.engine.grid import Grid, with_step
 from kickdrift.engine.identity import version
 
 _SECONDS = 60.0  # between checkpoints, if the number of steps is not given
@@ -115,8 +116,8 @@ class Checkpoints:
                 with suppress(OSError):
                     self._file(older).unlink()
 
-    def find(self, last: int | None = None) -> Found | None:
-        """Read the newest intact checkpoint, up to the step `last` if given; None if there is none.
+    def find(self, grid: Grid | None = None) -> Found | None:
+        """Read the newest intact checkpoint, up to the last step of a grid if given; None if there is none.
 
         Raises
         ------
@@ -127,7 +128,7 @@ class Checkpoints:
         """
         damaged: list[str] = []
         steps = self._steps()
-        usable = [step for step in steps if last is None or step <= last]
+        usable = [step for step in steps if grid is None or step <= grid.n_steps]
         for step in usable or steps:
             try:
                 found = archive.read(self._file(step), "a checkpoint", "kickdrift", _assemble)
@@ -136,7 +137,9 @@ class Checkpoints:
                 continue
             header, arrays = found
             self._check(header)
-            if not usable:  # the same run, to an earlier end than any checkpoint
+            if grid is not None and not usable:  # all are of runs to later ends
+                if with_step(grid, header["h"]) is None:
+                    raise self.refuse("step")
                 return None
             self._newest = step
             said = f" It resumed from step {step}, stored in {str(self.folder)!r}."

@@ -62,7 +62,7 @@ def find(
     FileFormatError
         If it is damaged.
     """
-    found = checkpoints.find(grid.n_steps if isinstance(grid, Grid) else None)
+    found = checkpoints.find(grid if isinstance(grid, Grid) else None)
     if found is None:
         return None
     header, arrays, said = found
@@ -80,7 +80,7 @@ def find(
         ) from None
     same = with_step(grid, h) if isinstance(grid, Grid) else grid
     if same is None or (same is grid and grid.step != h):
-        raise checkpoints.refuse(f"step ({abs(h)!r} there, {abs(grid.step)!r} here)")
+        raise checkpoints.refuse(f"step ({h!r} there, {grid.step!r} here)")
     if (
         isinstance(same, Grid)
         and not same.streamed

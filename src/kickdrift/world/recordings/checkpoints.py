@@ -122,7 +122,7 @@ class Keeper:
         FileFormatError
             If it is damaged.
         """
-        found = self._checkpoints.find(grid.n_steps)
+        found = self._checkpoints.find(grid)
         if found is None:
             return None
         header, arrays, said = found
