@@ -83,7 +83,7 @@ def smooth(kind: str, seed: int) -> Scene:
 
 def _smooth() -> Trial:
     scenes = (smooth("box", 400), smooth("capsule", 401))
-    return Trial("50 smooth sticks landing, e = 1", scenes, 2.5, (gains(0.01), loses(0.01)), looks=150)
+    return Trial("50 smooth sticks landing, e = 1", scenes, 2.5, (gains(0.001), loses(0.01)), looks=150)
 
 
 def _spinning() -> Trial:
