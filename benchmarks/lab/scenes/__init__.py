@@ -1,6 +1,18 @@
 """The trials of the lab, by what they are about."""
 
-from benchmarks.lab.scenes import friction, hinged, impacts, landing, motors, planar, plates, samples, swinging, towers
+from benchmarks.lab.scenes import (
+    crowds,
+    friction,
+    hinged,
+    impacts,
+    landing,
+    motors,
+    planar,
+    plates,
+    samples,
+    swinging,
+    towers,
+)
 from benchmarks.lab.trial import Trial
 
 TRIALS: tuple[Trial, ...] = (
@@ -14,4 +26,5 @@ TRIALS: tuple[Trial, ...] = (
     *impacts.TRIALS,
     *hinged.TRIALS,
     *swinging.TRIALS,
+    *crowds.TRIALS,
 )

@@ -169,13 +169,14 @@ def _linkage(random: np.random.Generator, falls: bool) -> Scene:
     return builder.scene()
 
 
-def _rows(members: int = 150) -> Trial:
+def _rows(*seeds: int, each: int, quick: bool) -> Trial:
     """Strike rows of free and jointed bodies of 0.1 g to a ton, with balls of 10 mg to 10 kg between them, e = 0.2 to 1."""
-    random = np.random.default_rng(12)
-    scenes = tuple(_row(random, falls=k % 2 == 1) for k in range(members))
-    return Trial(
-        f"{members} rows of light and heavy bodies", scenes, 2 / 3, (_rises_at_most(0.01),), looks=40, quick=False
-    )
+    scenes: list[Scene] = []
+    for seed in seeds:
+        random = np.random.default_rng(seed)
+        scenes += [_row(random, falls=k % 2 == 1) for k in range(each)]
+    name = f"{len(scenes)} rows of light and heavy bodies"
+    return Trial(name, tuple(scenes), 2 / 3, (_rises_at_most(0.01),), looks=40, quick=quick)
 
 
 def _row(random: np.random.Generator, falls: bool) -> Scene:
@@ -213,5 +214,6 @@ TRIALS = (
     _hub(20.0),
     _hanging_hub(),
     _thrown(),
-    _rows(),
+    _rows(12, each=150, quick=False),
+    _rows(6, 13, each=26, quick=True),
 )

@@ -175,4 +175,45 @@ def _gas(members: int = 3, count: int = 30) -> Trial:
     return Trial("gas of 30 light and heavy balls between thin walls, e = 1", tuple(scenes), 5.0, criteria)
 
 
-TRIALS = (_bullet("box"), _bullet("ball"), _grounded_bullets(), _walls(), _billiards(), _dominoes(), _coin(), _gas())
+def _tube(members: int = 3) -> Trial:
+    """Two free boxes of 10 kg to a ton fly about in a tube that is closed, with balls of 0.1 to 10 g between them and its ends.
+
+    A ball in a closing gap is hit without end, the faster the narrower it is, and e takes the energy; it stays in the tube.
+    """
+    random, scenes, half = np.random.default_rng(2), [], np.array([1.0, 0.3, 0.3])
+    for _ in range(members):
+        builder = Builder(0.0, friction=0.0, restitution=random.choice([0.05, 0.2, 0.5]))
+        for axis in range(3):
+            for side in (-1.0, 1.0):
+                size = 2 * half + 0.8
+                size[axis] = 0.4
+                builder.box(size, position=side * (half + 0.2) * np.eye(3)[axis], static=True)
+        speed = 10.0 ** random.uniform(0, 1)
+        for x in (-0.5, 0.3):
+            motion = {"mass": 10.0 ** random.uniform(1, 3), "velocity": (speed * random.choice([-1, 1]), 0.0, 0.0)}
+            builder.box((0.4, 0.5, 0.5), position=(x, 0.0, 0.0), **motion)
+            radius = random.uniform(0.03, 0.1)
+            place = (x + 0.25 + radius, *random.uniform(-0.1, 0.1, 2))
+            builder.sphere(radius, position=place, mass=10.0 ** random.uniform(-4, -2))
+        scenes.append(builder.scene())
+
+    def outside(scene: Scene, watched: Watched) -> float:
+        return float((np.abs(watched.poses[:, 6:, :3]) - half).max())
+
+    criteria = (at_most("outside", "m", outside, 0.0),)
+    return Trial(
+        f"balls of grams between heavy boxes in {members} closed tubes", tuple(scenes), 0.3, criteria, looks=18
+    )
+
+
+TRIALS = (
+    _bullet("box"),
+    _bullet("ball"),
+    _grounded_bullets(),
+    _walls(),
+    _billiards(),
+    _dominoes(),
+    _coin(),
+    _gas(),
+    _tube(),
+)
