@@ -3,7 +3,7 @@
 import numpy as np
 
 from benchmarks.lab.building import GRAVITY, GROUND, Builder
-from benchmarks.lab.measures import apart, at_most, comes_to, keeps
+from benchmarks.lab.measures import apart, at_most, comes_to, keeps, rises
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Scene
 from benchmarks.world.judge import Watched
@@ -106,6 +106,25 @@ def _top(rate: float, tilt: float = 0.35) -> Trial:
     return Trial(f"top at {rate:g} rad/s", (builder.scene(),), 5.0, criteria, refusable=True)
 
 
+def _wrecking(links: int = 18, mass: float = 900.0) -> Trial:
+    """Swing a ball on a chain of rods of 1 kg into a wall of 28 blocks: no energy comes of it."""
+    builder, lean, length, radius = Builder(friction=0.6), np.radians(70.0), 0.45, 0.5
+    builder.plane(friction=0.5)
+    top, along = np.array([0.0, 0.0, length * links + 1.6]), np.array([-np.sin(lean), 0.0, -np.cos(lean)])
+    turn, before = (np.cos(lean / 2), 0.0, np.sin(lean / 2), 0.0), GROUND
+    for k in range(links):
+        place = top + (k + 0.5) * length * along
+        rod = builder.capsule(0.05, length - 0.1, position=place, orientation=turn, mass=1.0, **_PASSING)
+        builder.join("ball", before, rod, top + k * length * along)
+        before = rod
+    ball = builder.sphere(radius, position=top + (links * length + radius) * along, mass=mass)
+    builder.join("ball", before, ball, top + links * length * along)
+    for row, place in np.ndindex(7, 4):
+        builder.box((0.4, 0.8, 0.4), position=(0.9, 0.82 * (place - 1.5), 0.2 + 0.4 * row), density=1200.0)
+    fall = mass * GRAVITY * (links * length + radius) * (1 - np.cos(lean))
+    return Trial("wrecking ball of 900 kg", (builder.scene(),), 2.6, (rises(0.01 * fall),), looks=52)
+
+
 TRIALS = (
     _chain("hinge", 10, 0.0),
     _chain("ball", 10, 0.0),
@@ -115,4 +134,5 @@ TRIALS = (
     _drum(),
     *(_spring(hertz) for hertz in (1.0, 6.0)),
     *(_top(rate) for rate in (100.0, 1000.0)),
+    _wrecking(),
 )

@@ -19,15 +19,8 @@ from kickdrift.world.tables import ISLAND, integers
 @compiled
 def relax_islands(t: float, h: float, world: int) -> None:
     """Project the velocities onto those that joints and contacts allow at the new poses, after the drift."""
-    islands = integers(world, ISLAND)
     for island in range(direct_islands(world)):
-        if islands[island, LOST] != 0:
-            repair(island, h, world)
-            note_velocities(island, world)
-            note_impulses(island, False, world)
-            project(island, h, RELAX, REST, world)
-        else:
-            _relax(island, h, world)
+        _relax(island, h, world)
     _relax_again(h, world)
     for island in range(direct_islands(world)):
         if is_cut(island, world):
@@ -41,9 +34,17 @@ def relax_islands(t: float, h: float, world: int) -> None:
 def _relax(island: int, h: float, world: int) -> None:
     """Project the velocities of an island after the drift, or, if that leaves too much energy, those after the kick.
 
-    Islands that touch others are judged when all have been projected (`_relax_again`).
+    Where no solution was found, poses are corrected first; not judged, that turned the 2.4 kJ of a row of two bodies on sliders
+    and one on a ball joint, 24 g to 250 kg, into 23 MJ. Islands that touch others are judged when all have been projected
+    (`_relax_again`).
     """
-    solve_at_once(island, h, RELAX, REST, world)
+    if integers(world, ISLAND)[island, LOST] != 0:
+        repair(island, h, world)
+        note_velocities(island, world)
+        note_impulses(island, False, world)
+        project(island, h, RELAX, REST, world)
+    else:
+        solve_at_once(island, h, RELAX, REST, world)
     if not is_cut(island, world) and not gained(island, h, world) <= 0.0:
         _relax_from_kick(island, h, world)
 
@@ -57,7 +58,7 @@ def _relax_again(h: float, world: int) -> None:
     """
     islands = integers(world, ISLAND)
     for island in range(direct_islands(world)):
-        if islands[island, LOST] == 0 and is_cut(island, world) and not gained(island, h, world) <= 0.0:
+        if is_cut(island, world) and not gained(island, h, world) <= 0.0:
             total = 0.0
             for other in range(direct_islands(world)):
                 if first_of(islands, GROUP, other) == first_of(islands, GROUP, island):
