@@ -16,6 +16,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
 from kickdrift.world.direct.contacts import PRESS, begin_contacts, is_cut, note_impulses
+from kickdrift.world.direct.energy_guard import allowance
 from kickdrift.world.direct.external_energy import energy_given
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_solution
@@ -139,9 +140,13 @@ def _solve_carefully(island: int, h: float, world: int) -> None:
         note_velocities(island, world)
         note_impulses(island, False, world)
         project(island, h, GENTLY, PRESS, world)
+        energy = kinetic_energy(island, MOTION, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
     off = _approach(island, h, off, ROUNDS, world)
-    if not off <= FAR * islands[island, RATIO]:
+    if not (
+        off <= FAR * islands[island, RATIO]
+        and kinetic_energy(island, MOTION, world) <= allowance(island, h, world) * energy + energy_given(island, world)
+    ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
         project(island, h, GENTLY, PRESS, world)
