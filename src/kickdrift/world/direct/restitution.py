@@ -36,24 +36,34 @@ _ROUNDS = 30
 def bounce_islands(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts in islands within the substep."""
     for island in range(direct_islands(world)):
-        _resolve_impacts(island, h, world)
+        if not _resolve_impacts(island, h, world):
+            _leave_impacts(island, world)
 
 
 @compiled(cached=False)
-def _resolve_impacts(island: int, h: float, world: int) -> None:
-    """Resolve the impacts of an island in rounds."""
+def _resolve_impacts(island: int, h: float, world: int) -> bool:
+    """Resolve the impacts of an island in rounds; return whether no point hits any more."""
     for _ in range(_ROUNDS):
         if not _find_hits(island, h, world):
-            return
+            return True
         note_velocities(island, world)
         most = NO_MORE * energy_driven(island, kinetic_energy(island, MOTION, world), world)
         solve_at_once(island, h, RELAX, BOUNCE, world)
         if has_more(island, most, world):  # no solution: nothing bounces
             take_back_velocities(island, world)
-            return
+            break
         note_velocities(island, world)  # friction without a solution is left out
         if not solve_at_once(island, h, RELAX, BOUNCE_FRICTION, world) or has_more(island, most, world):
             take_back_velocities(island, world)
+    return False
+
+
+@compiled(cached=False)
+def _leave_impacts(island: int, world: int) -> None:
+    """Let the solution of the substep stop all points of an island, and not only those too slow to bounce in the next one."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        constraint(order[k, 0], world)[c.BOUNCE_THRESHOLD * c.WIDTH] = 1e300
 
 
 @compiled(cached=False)
