@@ -121,7 +121,10 @@ def _machine(codegen: Any) -> tuple[Any, ...]:
 
 
 def _compiler_digest() -> str:
-    """Digest of the modules here that change how Numba compiles, or what it compiles calls to."""
+    """Digest of the modules here that change how Numba compiles, or what it compiles calls to.
+
+    With `source_digest`, a change of any other module here would have everything compiled again.
+    """
     sources = (file.read_bytes() for file in sorted(Path(__file__).parent.glob("*.py")))
     return digest(tuple(source for source in sources if any(module in source for module in _COMPILERS)))
 

@@ -36,7 +36,7 @@ class Entered(NamedTuple):
 
     def leave(self, solution: Solution) -> Solution:
         """Attach units to a solution, if there are any."""
-        if self.outside is _NONE:
+        if self.outside == _NONE:
             return solution
         return UnitSolution.of(solution, self.inside, self.outside)
 

@@ -32,13 +32,13 @@ def find_lost_body(tables: Tables, step: float, found: int) -> int:
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         per_force = np.where(inertia[:, MASS] > 0.0, 1.0 / inertia[:, MASS], 0.0)
         per_torque = inertia[:, INVERSE_INERTIA : INVERSE_INERTIA + 3].max(axis=1)
-        gained = (
+        causes = (  # speeds at the start, and those that forces and torques add
             np.abs(motion[:, :3]).max(axis=1),
             np.abs(motion[:, ANGULAR_VELOCITY : ANGULAR_VELOCITY + 3]).max(axis=1) * reach,
             np.abs(load[:, :3]).max(axis=1) * per_force * step,
             np.abs(load[:, 3:6]).max(axis=1) * per_torque * step * reach,
         )
-        speeds = np.max(gained, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
+        speeds = np.max(causes, axis=0) + 0.0 * tables.array(STARTED_POSE)[:, :7].sum(axis=1)
     speeds = np.where(np.isfinite(speeds), speeds, np.inf)
     of = moves & (lost | (speeds > _FAR))
     return int(np.argmax(np.where(of, speeds, -1.0))) if of.any() else found
