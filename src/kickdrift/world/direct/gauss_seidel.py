@@ -118,7 +118,7 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
         for link in range(at, articulations[row, END]):
             joint = links[link, LINK_JOINT]
             if joint >= 0:
-                turn_on(joint, joints[joint, BODY_B], h, False, world)
+                turn_on(joint, joints[joint, BODY_B], h, world)
 
 
 @compiled(cached=False)

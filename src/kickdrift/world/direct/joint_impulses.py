@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contacts import BOUNCE
-from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT, LOST
+from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
 from kickdrift.world.joints.axis_laws import end_laws
 from kickdrift.world.joints.geometric_stiffness import set_brakes
 from kickdrift.world.joints.impulses import note_speeds, push_bodies
@@ -91,27 +91,27 @@ def end_joint(joint: int, link: int, h: float, world: int) -> None:
 def end_relaxation(island: int, h: float, world: int) -> None:
     """Add up the joint impulses of the substep, and prepare those that warm start the next one."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    joints, lost = integers(world, JOINT), own[LOST] != 0
+    joints = integers(world, JOINT)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
         joint = links[link, LINK_JOINT]
         if place < own[FIRST_CLOSING]:
             set_brakes(link, joint, h, world)
-        turn_on(joint, links[link, LINK_BODY] if place < own[FIRST_CLOSING] else joints[joint, BODY_B], h, lost, world)
+        turn_on(joint, links[link, LINK_BODY] if place < own[FIRST_CLOSING] else joints[joint, BODY_B], h, world)
 
 
 @compiled(cached=False)
-def turn_on(joint: int, body: int, h: float, lost: bool, world: int) -> None:
+def turn_on(joint: int, body: int, h: float, world: int) -> None:
     """Warm start the next substep of a joint with the impulses of this one before the drift, turned with the body.
 
     Those of the relaxation, which bend the paths of rotating bodies, are left out: with them the initial guess of Newton's
-    method is worse. If no solution was found, `lost`, it starts from zero.
+    method is worse.
     """
     numbers = floats(world, JOINT_NUMBERS)
     note_speeds(joint, world)
     for k in range(6):
         numbers[joint, TOTAL + k] += numbers[joint, JOINT_IMPULSE + k]
-        numbers[joint, JOINT_IMPULSE + k] = 0.0 if lost else numbers[joint, SOLVED + k]
+        numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]
     if integers(world, JOINT)[joint, LINEAR] == POINT:
         turn = exponential(times(h, vector_at(floats(world, MOTION), body, ANGULAR_PART)))
         put_vector(numbers, joint, JOINT_IMPULSE, turned(turn, vector_at(numbers, joint, JOINT_IMPULSE)))

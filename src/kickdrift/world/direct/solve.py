@@ -31,7 +31,7 @@ from kickdrift.world.direct.layout import (
     RATIO,
 )
 from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
-from kickdrift.world.direct.velocities import begin_from_kick, fastest, kinetic_energy, note_velocities, take_back
+from kickdrift.world.direct.velocities import fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.layout import LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY
 from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
@@ -49,7 +49,7 @@ FAR = 1e-3
 # Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.
 POOR = 0.1
 
-# Ratio of speeds in `_press`, and of energies in `_solve_carefully`, above which a solution is spurious.
+# Ratio of speeds above which the solution of a heap is spurious.
 WILD = 4.0
 
 
@@ -127,20 +127,10 @@ def _approach(island: int, h: float, off: float, most: int, world: int) -> float
 
 @compiled(cached=False)
 def _solve_carefully(island: int, h: float, world: int) -> None:
-    """Solve from velocities that joints allow, and keep these if no solution is found near them.
-
-    Warm starting impulses that add far too much energy are dropped: after a substep without a solution they may be arbitrary.
-    Those of joints are judged together with the friction that they bear, which would not act before the drift without them.
-    """
+    """Solve from velocities that joints allow, and keep these if no solution is found near them."""
     islands = integers(world, ISLAND)
     project(island, h, GENTLY, PRESS, world)
     energy = kinetic_energy(island, MOTION, world)
-    if energy > WILD * kinetic_energy(island, KICKED, world) + energy_given(island, world):
-        begin_from_kick(island, world)
-        note_velocities(island, world)
-        note_impulses(island, False, world)
-        project(island, h, GENTLY, PRESS, world)
-        energy = kinetic_energy(island, MOTION, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
     off = _approach(island, h, off, ROUNDS, world)
     if not (
