@@ -61,10 +61,10 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Steps after which a heap of few bodies is unsolved; number of further bodies for each further step; number of steps for which
-# a step counts that leaves a body far from solved. A direct solution of 55 boxes takes thirty times as long as the sweeps,
-# whose pyramid comes to rest by itself; a card house of 40 falls if it waits for more than 20 steps.
-_PATIENCE, _MORE, _HASTE = 6, 4, 6
+# Steps after which a heap of few bodies is unsolved; number of further bodies for each further step. A direct solution of 55
+# boxes takes thirty times as long as the sweeps, whose pyramid comes to rest by itself; a card house of 40 falls if it waits
+# for more than 20 steps.
+_PATIENCE, _MORE = 6, 4
 
 # Of the reach of a body: if gravity and forces move it by more in a step, its heap does not wait. Sweeps let a tower of five
 # cubes of 5 mm sink by a quarter of an edge in the first step and by 0.7 in six, where cubes pass each other; one of 2 cm by a
@@ -225,7 +225,7 @@ def count_unsolved(t: float, h: float, world: int) -> None:
         if count >= _FOUND:
             body[row, UNSOLVED] = count if residual & TOUCHES else 0
         elif residual & NOTED_RESIDUAL:
-            body[row, UNSOLVED] = count + (_HASTE if residual & FAR_RESIDUAL else 1)
+            body[row, UNSOLVED] = count + 1
         else:
             body[row, UNSOLVED] = 0
         body[row, RESIDUAL_SIZE] = 0
