@@ -205,6 +205,28 @@ def _row(random: np.random.Generator, falls: bool) -> Scene:
     return builder.scene()
 
 
+def _pressed(members: int = 8) -> Trial:
+    """Drive a ball of 0.1 to 10 g that hangs on a joint into a wall with a ball of 1 kg, e = 0.2 to 0.6: both stop there.
+
+    Between wall and ball it is hit without end in a finite time, and restitution takes all energy (McNamara, Young, 1992).
+    """
+    random, scenes, radius = np.random.default_rng(2), [], 0.05
+    for _ in range(members):
+        builder = Builder(_WEIGHTLESS, friction=0.0, restitution=random.uniform(0.2, 0.6))
+        speed, gap = 10.0 ** random.uniform(0.0, 1.0), random.uniform(0.005, 0.02)
+        builder.box((0.2, 4.0, 4.0), position=(0.1, 0.0, 0.0), static=True)
+        light = builder.sphere(radius, position=(-radius - gap, 0.0, 0.0), mass=10.0 ** random.uniform(-4, -2))
+        builder.sphere(radius, position=(-4 * radius - gap, 0.0, 0.0), mass=1.0, velocity=(speed, 0.0, 0.0))
+        builder.join("ball", GROUND, light, (-radius - gap, 0.0, 5.0))
+        scenes.append(builder.scene())
+
+    def left(scene: Scene, watched: Watched) -> float:
+        return float(np.linalg.norm(watched.motions[-1, 2, :3]) / watched.motions[0, 2, 0])
+
+    criteria = (at_most("part of its speed left", "", left, 0.1),)
+    return Trial(f"{members} balls that press a light one on a joint to a wall", tuple(scenes), 0.3, criteria, looks=18)
+
+
 TRIALS = (
     *(_door(e) for e in (1.0, 0.5)),
     *(_rod(e) for e in (1.0, 0.5)),
@@ -216,4 +238,5 @@ TRIALS = (
     _thrown(),
     _rows(12, each=150, quick=False),
     _rows(6, 13, each=26, quick=True),
+    _pressed(),
 )
