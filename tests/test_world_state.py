@@ -883,3 +883,17 @@ def test_recordings_that_cannot_be():
         recording.colour  # noqa: B018
     assert recording.n_steps == 1
     world.restore(then)
+
+
+def test_a_snapshot_before_the_first_step_of_a_new_joint_changes_no_bits():
+    ends = []
+    for looks in (False, True):
+        world = kd.World()
+        ball = world.add_sphere(0.1, mass=1.0, position=(1, 0, 0))
+        world.advance(1 / 60, 5)
+        world.add_hinge(None, ball, anchor=(0, 0, 0), axis=(0, 1, 0))
+        if looks:
+            world.snapshot()
+        world.advance(1 / 60, 5)
+        ends.append(world.position[ball.index].tobytes())
+    assert ends[0] == ends[1]

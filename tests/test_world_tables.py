@@ -6,6 +6,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
+from kickdrift.core import aligned_arrays
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import layout
 from kickdrift.world import tables as t
@@ -39,7 +40,7 @@ def test_rows_outlive_their_tables():
 
 
 def test_systems_without_huge_pages_get_usual_ones(monkeypatch):
-    monkeypatch.setattr(t, "_HUGE_PAGES", None)
+    monkeypatch.setattr(aligned_arrays, "_HUGE_PAGES", None)
     rows = t.Tables().resize(t.MANIFOLD, 5000)
     assert rows.ctypes.data % 64 == 0
     assert not rows.any()

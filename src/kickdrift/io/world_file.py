@@ -78,7 +78,6 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         "n_bodies_made": snapshot.n_bodies_made,
         "n_joints_made": snapshot.n_joints_made,
         "n_cloths_made": snapshot.n_cloths_made,
-        "joints_arranged": snapshot.joints_arranged,
         "free_bodies": snapshot.free_bodies,
         "free_shapes": snapshot.free_shapes,
         "bouncing": snapshot.bouncing,
@@ -167,12 +166,11 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
     _place_shapes(shapes, head, arrays)
     check(kept(of))
     linked, brakes = of.array(LINK_NUMBERS).copy(), of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3].copy()
-    if head["joints_arranged"]:
-        arrange(of)
-        if len(linked) < of.count(LINK_NUMBERS):
-            raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are joints")
-        of.array(LINK_NUMBERS)[:] = linked[: of.count(LINK_NUMBERS)]
-        of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3] = brakes
+    arrange(of)
+    if len(linked) < of.count(LINK_NUMBERS):
+        raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are joints")
+    of.array(LINK_NUMBERS)[:] = linked[: of.count(LINK_NUMBERS)]
+    of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3] = brakes
     bodies, joints = of.array(BODY), of.array(JOINT)
     gone = np.flatnonzero(bodies[:, BODY_KIND] == REMOVED)
     return Snapshot(
@@ -186,7 +184,6 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
         n_bodies_made=_whole(head["n_bodies_made"], 1 + int(bodies[:, BODY_GENERATION].max())),
         n_joints_made=_whole(head["n_joints_made"], 1 + int(joints[:, GENERATION].max(initial=-1))),
         n_cloths_made=_whole(head["n_cloths_made"], 1 + int(of.array(CLOTH)[:, CLOTH_GENERATION].max(initial=-1))),
-        joints_arranged=bool(head["joints_arranged"]),
         kinds=tuple(sorted(shapes.kinds.union(*map(MET_AS.__getitem__, of.array(CLOTH)[:, DIMENSION].tolist())))),
         bouncing=bool(head["bouncing"]) or shapes.bouncing,
         body_names=_names(head["body_names"], np.flatnonzero(bodies[:, BODY_KIND] != REMOVED)),

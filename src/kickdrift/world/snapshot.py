@@ -63,8 +63,6 @@ class Snapshot:
         Rows to be reused, the next one last.
     n_bodies_made, n_joints_made, n_cloths_made : int
         Number of bodies, joints and cloths ever added, from which handles get their generations.
-    joints_arranged : bool
-        Whether the tables of articulations are up to date with the joints.
     shapes : mapping of int to Placed
         By row.
     geometry : mapping of bytes to int
@@ -87,7 +85,6 @@ class Snapshot:
     n_bodies_made: int
     n_joints_made: int
     n_cloths_made: int
-    joints_arranged: bool
     shapes: Mapping[int, Placed]
     geometry: Mapping[bytes, int]
     kinds: tuple[int, ...]
@@ -144,7 +141,8 @@ def kept(of: Tables) -> Mapping[str, NDArray[Any]]:
 
 
 def take(world: "World") -> Snapshot:
-    """Copy everything that the next steps of a world depend on."""
+    """Copy everything that the next steps of a world depend on; joints are arranged, so that no restoring has to do it."""
+    world.joints.arrange()
     return Snapshot(
         time=world.time,
         n_steps=world.n_steps,
@@ -156,7 +154,6 @@ def take(world: "World") -> Snapshot:
         n_bodies_made=world.bodies.n_made,
         n_joints_made=world.joints.n_made,
         n_cloths_made=world.cloths.n_made,
-        joints_arranged=world.joints.arranged,
         shapes=MappingProxyType(dict(world.shape_rows.shapes)),
         geometry=MappingProxyType(dict(world.shape_rows.begins)),
         kinds=tuple(sorted(world.shape_rows.kinds)),
@@ -184,7 +181,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
     bodies.free[:] = snapshot.free_bodies
     bodies.n_made = max(bodies.n_made, snapshot.n_bodies_made)
     joints.n_made = max(joints.n_made, snapshot.n_joints_made)
-    joints.arranged = snapshot.joints_arranged
+    joints.arranged = True
     shapes.free[:] = snapshot.free_shapes
     shapes.shapes = dict(snapshot.shapes)
     shapes.begins = dict(snapshot.geometry)
@@ -201,7 +198,8 @@ def restore(world: "World", snapshot: Snapshot) -> None:
 def put_back(of: Tables, copies: Mapping[str, NDArray[Any]]) -> None:
     """Bring tables back to copies of them; those that a step fills anew are resized, trees and lists of shapes rebuilt."""
     for name, table in TABLES.items():
-        of.put(table, copies[name])
+        if len(copies[name]) or of.count(table):
+            of.put(table, copies[name])
     for table in _OF_BODIES:
         of.resize(table, of.count(POSE))
     of.resize(STARTED_JOINTS, of.count(JOINT))

@@ -6,15 +6,14 @@ cost nothing. Tables grow between stages, never within one: a stage that finds o
 everything as it was, and is run again once the table has grown.
 """
 
-import mmap
 import threading
-from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import carray
 from numpy.typing import NDArray
 
+from kickdrift.core.aligned_arrays import aligned_zeros
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_at, integers_at, put_word, word
 
@@ -134,8 +133,6 @@ CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))
 VIEW = Table(_LAST + 1, 3 * (_LAST + 2), whole=True)  # one row: the block as it is for a batch
 _COUNT = _LAST + 2
-_HUGE_PAGES = getattr(mmap, "MADV_HUGEPAGE", None)  # Linux
-_HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # size of such a page, and of the smallest table that is placed there, bytes
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
 
 
@@ -225,7 +222,8 @@ class Tables:
 
     def count(self, table: Table) -> int:
         """Return how many rows of a table are in use."""
-        return int(self.block.item(3 * table.place + _ROWS))
+        count: int = self.block.item(3 * table.place + _ROWS)
+        return count
 
     def row(self, table: Table, row: int) -> NDArray[Any]:
         """Return a row that is in use, as a live view; faster than a row of `array`."""
@@ -234,16 +232,17 @@ class Tables:
 
     def array(self, table: Table) -> NDArray[Any]:
         """Return the rows of a table in use, as a live view; replaced where the table grows."""
-        return self._room(table)[: self.block[3 * table.place + _ROWS]]
+        return self._room(table)[: self.block.item(3 * table.place + _ROWS)]
 
     def resize(self, table: Table, count: int) -> NDArray[Any]:
         """Set the number of rows in use and return them; new ones are zeros. Room grows by half of itself at least."""
         place = 3 * table.place
-        before = int(self.block[place + _ROWS])
+        before = self.block.item(place + _ROWS)
         if count > before:
             self.reserve(table, count)
             self._room(table)[before:count] = 0
-        self.block[place + _ROWS] = count
+        if count != before:
+            self.block[place + _ROWS] = count
         return self._room(table)[:count]
 
     def reserve(self, table: Table, count: int) -> None:
@@ -252,7 +251,9 @@ class Tables:
         old = self._room(table)
         if count <= len(old):
             return
-        new = _aligned(max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64)
+        new = aligned_zeros(
+            max(count, len(old) + len(old) // 2, 16), table.width, np.int64 if table.whole else np.float64
+        )
         new[: len(old)] = old
         words = new.ctypes.data, self.block[place + _ROWS], len(new)
         # In one statement, which Ctrl-C does not interrupt: otherwise compiled code could get the address of freed memory.
@@ -270,31 +271,8 @@ class Tables:
         self.reserve(_TABLES[place], count)
 
     def _room(self, table: Table) -> NDArray[Any]:
-        if table.place not in self._arrays:
-            empty = np.zeros((0, table.width), dtype=np.int64 if table.whole else np.float64)
-            self._arrays[table.place] = empty
-        return self._arrays[table.place]
-
-
-def _aligned(count: int, width: int, dtype: Any) -> NDArray[Any]:
-    """Return zeros, (count, width), aligned to a cache line; large tables lie on huge pages, if the system has them.
-
-    Rows are read in random order: with 10,000 bodies, whose tables span thousands of normal pages, a step takes a tenth longer
-    without them.
-    """
-    size = count * width
-    if _HUGE_PAGES is not None and 8 * size >= _LARGE:
-        buffer = np.frombuffer(_huge_pages(8 * size + _HUGE_PAGE, _HUGE_PAGES), dtype=dtype)
-        start = (-buffer.ctypes.data % _HUGE_PAGE) // 8
-    else:
-        buffer = np.zeros(size + 8, dtype=dtype)
-        start = (-buffer.ctypes.data % 64) // 8
-    return buffer[start : start + size].reshape(count, width)
-
-
-def _huge_pages(size: int, advice: int) -> mmap.mmap:
-    """Return zeroed memory of a number of bytes, which lives for as long as the arrays in it."""
-    pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-    with suppress(OSError):  # on systems without huge pages
-        pages.madvise(advice)
-    return pages
+        array = self._arrays.get(table.place)
+        if array is None:
+            array = np.zeros((0, table.width), dtype=np.int64 if table.whole else np.float64)
+            self._arrays[table.place] = array
+        return array

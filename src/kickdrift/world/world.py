@@ -36,7 +36,7 @@ from kickdrift.world.snapshot import Snapshot
 from kickdrift.world.step.stage_order import Program
 from kickdrift.world.step.stepping import DoesSteps
 from kickdrift.world.step.warnings import say
-from kickdrift.world.tables import COLOURS, KERNEL_ADDRESSES, SETTINGS, STEP_STATUS, VIEW, Tables
+from kickdrift.world.tables import COLOURS, GRAPH, KERNEL_ADDRESSES, SETTINGS, STEP_STATUS, VIEW, Tables
 from kickdrift.world.tuning import Tunable
 
 
@@ -188,6 +188,7 @@ class World(
         self.planar = plane_normal is not None
         self.tables.resize(STEP_STATUS, 1)
         self.tables.resize(COLOURS, BATCH_COLOURS)
+        self.tables.resize(GRAPH, 1)
         self.tables.resize(VIEW, 1)
         self.tables.resize(KERNEL_ADDRESSES, 1)
         self.broken: list[Joint] = []

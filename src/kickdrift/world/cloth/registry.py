@@ -130,6 +130,8 @@ class Cloths:
 
     def tune(self, substep: float) -> None:
         """Choose the parts of a substep, s, and the stiffness of all cloths in it, and prepare the tables that a step fills."""
+        if self.tables.count(CLOTH) == 0:
+            return
         if self._arranged != self.tables.count(FACE):
             arrange(self.tables, [self.mesh(row) for row in range(self.tables.count(CLOTH))])
             self._arranged = self.tables.count(FACE)

@@ -10,6 +10,7 @@ import numpy as np
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.atomic import alone, undivided
+from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.axis_law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
@@ -168,10 +169,11 @@ class Joints:
         self.arranged = False
 
     def arrange(self) -> None:
-        """Sort joints into articulations, if any have come or gone since."""
+        """Sort joints into articulations, and part the bodies that they join, if any joints have come or gone since."""
         if not self.arranged:
             arrange(self.tables)
-            self.arranged = True
+            part_joined(self.tables)
+            self.arranged = self.tables.altered = True
 
     @property
     def present(self) -> bool:

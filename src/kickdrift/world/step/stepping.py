@@ -14,7 +14,6 @@ from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.cloth.wind_functions import WINDS
-from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batching import FEW
@@ -99,7 +98,7 @@ class DoesSteps:
                     if recorder is not None:
                         reached = int(status[step_status.REACHED])
                         recorder.note(reached - first - before, step, t0 + reached * step, time.perf_counter() - began)
-                if status[step_status.STATUS] != step_status.OK:
+                if status.item(step_status.STATUS) != step_status.OK:
                     halved = status[step_status.STATUS] == step_status.DO_IN_PARTS
                     at = self._help(step, at)
                     program = self._ready(step)
@@ -191,7 +190,6 @@ class DoesSteps:
         if same and self.joints.arranged and not self.tables.altered:
             return self._program
         spelt, pairs, shapes = self.word, self.shape_rows.pairs(), self.shape_rows
-        part_joined(self.tables)
         composition = spelt, self.substeps, shapes.kinds
         if composition != self._composition:
             compile_step(spelt, shapes.kinds, pairs)
@@ -202,11 +200,12 @@ class DoesSteps:
             if solve_islands in spelt.substep:
                 kernels[SOLVE_EQUATIONS] = address_of(solve_island, SOLVE_ISLAND)
             shapes.find_functions()
-            self._addresses, self._composition = addresses(spelt, self.substeps), composition
+            self._addresses, self._composition, self._program_step = addresses(spelt, self.substeps), composition, 0.0
         put_numbers(self.tables, self.forces)
         self.cloths.tune(step / self.substeps)
         self.tables.array(SETTINGS)[0, settings.STEP] = step
-        self._program = compose(spelt, self._addresses, step, self.substeps)
+        if step != self._program_step:
+            self._program = compose(spelt, self._addresses, step, self.substeps)
         self._program_step, self._threaded, self._breakable = (
             step,
             threaded,
