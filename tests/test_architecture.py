@@ -26,6 +26,22 @@ def test_imports_go_down_only():
     assert done.returncode == 0, done.stdout
 
 
+def test_types_come_from_no_floor_above_either():
+    contract = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]
+    floors = [[name.strip() for name in line.split("|")] for line in contract["layers"]]
+    height = {name: -k for k, line in enumerate(floors) for name in line}
+    assert len(height) > len(floors) == 8
+    upwards = []
+    for floor in height:
+        for path in (ROOT / "src" / Path(*floor.split("."))).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("kickdrift."):
+                    other = ".".join(node.module.split(".")[:2])
+                    if height.get(other, -100) > height[floor]:
+                        upwards.append((path.name, node.module))
+    assert upwards == []
+
+
 def test_a_sideways_import_would_be_caught(tmp_path):
     package = tmp_path / "storeys"
     (package / "above").mkdir(parents=True)

@@ -57,7 +57,8 @@ from kickdrift.systems import (
     System,
 )
 from kickdrift.systems.spline import spline
-from kickdrift.world.recordings.recording import Recording, WorldPresenters
+from kickdrift.world.recordings.presenters import WorldPresenters
+from kickdrift.world.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from kickdrift.io.meshes import load_mesh

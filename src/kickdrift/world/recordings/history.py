@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, cast
 
 from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.recordings.checkpoints import Kept
+from kickdrift.world.recordings.presenters import Page
 from kickdrift.world.recordings.recording import Recording
 from kickdrift.world.recordings.running import record, run
 from kickdrift.world.snapshot import Snapshot, restore, take
 from kickdrift.world.tables import Tables
 
 if TYPE_CHECKING:
-    from kickdrift.viewer.live import LivePage
     from kickdrift.world.world import World
 
 
@@ -124,7 +124,7 @@ class KeepsHistory:
         """
         return record(self._world, save_every, save_to)
 
-    def view(self, step: float, *, control: Callable[[], object] | None = None, port: int = 8080) -> LivePage:
+    def view(self, step: float, *, control: Callable[[], object] | None = None, port: int = 8080) -> Page:
         """Show the world on a page in the browser, with controls to play, pause, step and reset it and to pull bodies.
 
         In a script: ``world.view(1 / 60).wait()``.
@@ -161,7 +161,7 @@ class KeepsHistory:
         ...     pass  # in a script of your own: page.wait()
         open http://127.0.0.1:...
         """
-        return cast("LivePage", Recording.presenters.view(self._world, step, control=control, port=port))
+        return Recording.presenters.view(self._world, step, control=control, port=port)
 
     def _repr_html_(self) -> str:
         """Return the HTML that a notebook shows: a summary of the world, and a picture of its present state."""

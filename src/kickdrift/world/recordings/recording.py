@@ -1,6 +1,5 @@
 """Recordings: the motion of a world, as a solution with bodies as a dimension."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -9,25 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError, unknown_name
-from kickdrift.engine.presented import Presenters
 from kickdrift.engine.solution import Solution
 from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recordings.appearance import Appearance, DrawnCloth
+from kickdrift.world.recordings.presenters import WorldPresenters
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class WorldPresenters(Presenters):
-    """Functions of higher layers that recordings and worlds call; the package sets them when it is imported."""
-
-    animate: Callable[..., Path]
-    world_html: Callable[..., str]
-    save_meshes: Callable[..., Path]
-    view: Callable[..., Any]
-    save_world: Callable[..., Path]
-    contents: Callable[..., tuple[dict[str, Any], dict[str, NDArray[Any]]]]
-    snapshot_of: Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
