@@ -214,6 +214,19 @@ def test_a_function_that_gives_no_number_ends_the_run_with_what_was_done():
     assert sol.t[-1] == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize("compile_", [True, False])
+def test_a_function_that_raises_ends_the_run_at_the_last_step_before(compile_):
+    def late(t, x):
+        if t > 1.0:
+            raise ValueError("too late")
+        return 1.0
+
+    sol = kd.solve(lambda x: -x, (0.0, 3.0), 1.0, 0.0, step=0.01, events=late, compile=compile_, progress=False)
+    assert sol.status is Outcome.FAILED
+    assert "late, raised ValueError at t=1.01: too late." in sol.message
+    assert sol.t[-1] == pytest.approx(1.0)
+
+
 def test_what_goes_wrong_before_an_event_and_after_one():
     def bad_at_one(t, x):
         return -x if t < 1.0 else np.inf
@@ -331,12 +344,12 @@ def test_a_function_that_fails_between_steps_is_said_to():
     options = {"step": 0.1, **QUIET}
     sol = kd.solve(lambda x: -x, (0.0, 2.0), 1.0, 0.0, events=off_the_grid, **options)
     assert sol.success
-    assert "off_the_grid, returned NaN at t=1.2" in sol.message
+    assert "off_the_grid, raised ValueError at t=1.2" in sol.message
     assert sol.t_events[0].size == 0
     off_the_grid.terminal = True
     sol = kd.solve(lambda x: -x, (0.0, 2.0), 1.0, 0.0, events=off_the_grid, **options)
     assert sol.status is Outcome.FAILED
-    assert "returned NaN" in sol.message
+    assert "off_the_grid, raised ValueError at t=1.2" in sol.message
 
 
 def test_a_function_that_stays_near_zero_is_not_asked_for_ever():

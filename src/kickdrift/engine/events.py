@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import KickdriftError
 from kickdrift.engine.event_functions import Event, check_path
-from kickdrift.engine.event_values import first_bad
+from kickdrift.engine.event_values import cause_of_nan, first_bad, values_of
 from kickdrift.engine.processing import Processing
-from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.strikes import Strikes, strikes_at
 from kickdrift.engine.surface_events import Surfaces
 from kickdrift.engine.zeros import (
@@ -132,7 +131,7 @@ class Watch:
         count, self._sign = t.size - 1, math.copysign(1.0, t[-1] - t[0])
         xs, vs = np.concatenate((self._x, xs)), np.concatenate((self._v, vs))
         values = [self._values(k, t, xs, vs) for k in range(len(self.events))]
-        bad, why = first_bad(self.events, t, values, jumps=self._surfaces is not None)
+        bad, why = first_bad(self.events, self._system, t, xs, vs, values, jumps=self._surfaces is not None)
         steps = count if bad is None else max(bad - 1, 0)
         strikes = self._strikes(t[: steps + 1], xs[: steps + 1], vs[: steps + 1], values)
         for k, value in enumerate(values):
@@ -163,7 +162,7 @@ class Watch:
         return Found(steps, stop, failure, any(zero is stop for zero in self._jumps))
 
     def _values(self, event: int, t: Floats, x: Floats, v: Floats) -> Floats:
-        return evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
+        return values_of(self.events[event].quantity, self._system, t, x, v)
 
     def _note(self, event: int, brackets: Brackets) -> None:
         """Keep brackets: those of zeros that may end the run until the end of the look, and the others until later."""
@@ -255,9 +254,9 @@ class Watch:
         x, v, evaluations = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
         self.evaluations += int(evaluations.sum())
         t = at.t + size
-        values = evaluate_quantity(self.events[event].quantity, self._system, t, x, v)
-        if np.isnan(values).any():
-            raise KickdriftError(f"{self.events[event].name}, returned NaN at t={float(t[np.isnan(values)][0])!r}")
+        values = self._values(event, t, x, v)
+        if (bad := np.isnan(values)).any():
+            raise KickdriftError(cause_of_nan(self.events[event], self._system, int(np.argmax(bad)), t, x, v))
         return t, x, v, values, evaluations
 
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
