@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -66,15 +67,21 @@ def test_the_solar_system_has_a_panel_for_the_inner_planets():
     assert energy.get_xlabel() == "t (day)"
 
 
-@pytest.mark.parametrize("end", [3000.0, 9000.0, 16000.0, 24000.0, 36525.0])
-def test_names_of_bodies_stay_inside_their_panel(end):
+@pytest.mark.parametrize("end", [3000.0, 9000.0, 16000.0, 24000.0, 36525.0, 47200.0, 68800.0])
+def test_names_of_bodies_cover_neither_each_other_nor_dots_and_stay_inside_their_panel(end):
     figure = solved(kd.systems.solar_system(), end=end, step=20.0, method="velocity-verlet", save_every=20).plot()
     figure.draw_without_rendering()
     for axes in figure.axes[:2]:
         frame = axes.get_window_extent()
-        for text in axes.texts:
-            written = text.get_window_extent()
-            assert frame.x0 <= written.x0 < written.x1 <= frame.x1, text.get_text()
+        names = {text.get_text(): text.get_window_extent() for text in axes.texts}
+        for name, written in names.items():
+            assert frame.x0 <= written.x0 < written.x1 <= frame.x1, name
+            assert frame.y0 <= written.y0 < written.y1 <= frame.y1, name
+        for one, other in combinations(names, 2):
+            assert not names[one].overlaps(names[other]), (one, other)
+        ends = [line.get_xydata()[0] for line in axes.lines if line.get_marker() == "o"]
+        for dot in axes.transData.transform(ends):
+            assert not any(written.contains(*dot) for written in names.values())
 
 
 def test_bodies_of_like_orbits_share_a_panel():

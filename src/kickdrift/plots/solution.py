@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from kickdrift.engine.solution import Solution
 from kickdrift.plots import trajectory
+from kickdrift.plots.body_names import write_names
 from kickdrift.plots.energy import draw_energy_error
 from kickdrift.plots.page import check_axes, keep, new_figure
 
@@ -53,7 +54,9 @@ def plot_solution(solution: Solution, path: str | Path | None = None, *, ax: "Ax
     solution = solution.plain
     if ax is not None:
         check_axes(ax)
-        _draw_trajectory(ax, trajectory.panels(solution, split=False)[0], solution, "trajectory")
+        (bodies,) = trajectory.panels(solution, split=False)
+        _draw_trajectory(ax, bodies, solution, "trajectory")
+        _write_names(ax, bodies)
         return keep(ax.figure, path)  # type: ignore[arg-type]  # or a part of a figure
     about, parts = solution.about, trajectory.panels(solution)
     has_energy, has_phases = "energy" in solution.invariants, solution.x[0].size == solution.v[0].size == 1
@@ -69,8 +72,10 @@ def plot_solution(solution: Solution, path: str | Path | None = None, *, ax: "Ax
         trajectory.draw_phase_portrait(grid[1], solution)
     if has_energy:
         draw_energy_error(grid[-1], solution)
+    figure.draw_without_rendering()  # which places the panels
+    for panel, bodies in zip(grid, parts, strict=False):
+        _write_names(panel, bodies)
     if len(parts) == 2:
-        figure.draw_without_rendering()
         trajectory.mark_inner(grid[1], grid[0])
     return keep(figure, path)
 
@@ -80,3 +85,8 @@ def _draw_trajectory(ax: "Axes", bodies: trajectory.Bodies | None, solution: Sol
         trajectory.draw_coordinates(ax, solution)
     else:
         trajectory.draw_bodies(ax, bodies, solution, title)
+
+
+def _write_names(ax: "Axes", bodies: trajectory.Bodies | None) -> None:
+    if bodies is not None and bodies.names:
+        write_names(ax, bodies)

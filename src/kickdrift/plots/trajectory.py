@@ -123,7 +123,7 @@ def draw_coordinates(axes: "Axes", solution: Solution) -> None:
 
 
 def draw_bodies(axes: "Axes", bodies: Bodies, solution: Solution, title: str) -> None:
-    """Draw orbits to scale, with a dot where each body ends and its name beside it."""
+    """Draw orbits to scale, with a dot where each body ends."""
     unit = solution.about.units.get("x")
     space = solution.about.coordinates.get("space", ("x", "y"))
     crowd, colours = bodies.radius.size > _MOST_NAMES, _colours(bodies)
@@ -144,8 +144,6 @@ def draw_bodies(axes: "Axes", bodies: Bodies, solution: Solution, title: str) ->
     dress(axes, label(space[0], unit), label(space[1], unit), title)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.14 if bodies.names else 0.08)
-    if bodies.names:
-        _write_names(axes, bodies)
 
 
 def _colours(bodies: Bodies) -> list[str]:
@@ -173,47 +171,6 @@ def _curve(t: Floats, path: Floats, velocity: Floats) -> Floats | None:
     slopes = (1 - s) * h * behind[:, None] - s * h * ahead[:, None]
     inside = (1 - s) * start + s * end + s * (1 - s) * ((1 - 2 * s) * (start - end) + slopes)
     return np.concatenate([inside.reshape(-1, 2), path[-1:]])
-
-
-def _write_names(axes: "Axes", bodies: Bodies) -> None:
-    from matplotlib.patheffects import withStroke
-
-    axes.apply_aspect()  # names are kept within the limits that the drawing will have
-    ends = bodies.paths[-1]
-    middle = int(np.argmin(bodies.radius))
-    distances = np.linalg.norm(ends - ends[middle], axis=1)
-    nearest = ends[np.argsort(distances)[1]]
-    for group in _neighbours(ends, 0.1 * float(bodies.radius.max())):
-        place = ends[group].mean(axis=0)
-        # Outwards, where no other name is; the one in the middle has its name on the far side of its nearest.
-        outward = ends[middle] - nearest if middle in group else place - ends[middle]
-        direction = outward / max(float(np.linalg.norm(outward)), 1e-300)
-        name = axes.annotate(
-            ", ".join(bodies.names[i] for i in group),
-            place,
-            xytext=7 * direction,
-            textcoords="offset points",
-            ha="left" if direction[0] > 0.4 else "right" if direction[0] < -0.4 else "center",
-            va="bottom" if direction[1] > 0.4 else "top" if direction[1] < -0.4 else "center",
-            fontsize=8.5,
-            color=INK,
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
-        )
-        written, frame = name.get_window_extent(), axes.get_window_extent()
-        if written.x0 < frame.x0 or written.x1 > frame.x1:
-            name.set(x=-7 * direction[0], ha="left" if written.x0 < frame.x0 else "right")
-
-
-def _neighbours(points: Floats, distance: float) -> list[list[int]]:
-    """Group points that are nearer to the first of a group than a distance: their names go into one line."""
-    groups: list[list[int]] = []
-    for i, point in enumerate(points):
-        near = next((g for g in groups if np.linalg.norm(points[g[0]] - point) < distance), None)
-        if near is None:
-            groups.append([i])
-        else:
-            near.append(i)
-    return groups
 
 
 def mark_inner(axes: "Axes", inner: "Axes") -> None:
