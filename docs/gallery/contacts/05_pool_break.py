@@ -2,8 +2,8 @@
 The break
 =========
 
-Fifteen balls in a triangle, a millimetre and a half apart, and the cue ball at 8 m/s. Pool balls have a restitution of 0.93,
-and the rolling resistance of the cloth stops them (Alciatore, The Illustrated Principles of Pool and Billiards).
+Fifteen balls touch each other in a triangle, and the cue ball comes at 8 m/s. Pool balls have a restitution of 0.93, and the
+rolling resistance of the cloth stops them (Alciatore, The Illustrated Principles of Pool and Billiards).
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ for side in (-1, 1):
 options = {"mass": 0.17, "friction": 0.06, "restitution": 0.93}
 for row in range(5):
     for place in range(row + 1):
-        x, y = length / 4 + 1.05 * row * radius * np.sqrt(3), 1.05 * radius * (2 * place - row)
+        x, y = length / 4 + row * radius * np.sqrt(3), radius * (2 * place - row)
         world.add_sphere(radius, position=(x, y, radius), **options)
 world.add_sphere(radius, position=(-length / 4, 0.002, radius), velocity=(8, 0, 0), name="white", **options)
 recording = world.run(duration=6.0, step=1 / 240)
