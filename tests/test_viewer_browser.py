@@ -1,6 +1,9 @@
 """Pages in a browser: Chromium plays, drags and reconnects, and is refused under other names and from other sites."""
 
 import io
+import re
+import subprocess
+import sys
 import threading
 from contextlib import closing
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -71,6 +74,52 @@ def test_the_controls_hide_nothing_of_the_world(browser, floating):
         pause = "[...document.querySelectorAll('button')].find(b => b.innerText.trim() === 'Pause')"
         begins = f"{pause}.getBoundingClientRect().left"
         assert tab.run(ends) <= tab.run(begins)
+
+
+def slide(tab, number, part):
+    """Move the slider with a number, from the top, to a part of its length."""
+    left, right, y = tab.run(
+        f"(({{left, right, top, bottom}}) => [left, right, 0.5 * (top + bottom)])"
+        f"(document.querySelectorAll('.mantine-Slider-track')[{number}].getBoundingClientRect())"
+    )
+    tab.drag((0.5 * (left + right), y), (left + part * (right - left), y))
+
+
+def shown(tab):
+    return tab.run(
+        "[...document.querySelectorAll('[role=slider]')].map(slider => slider.getAttribute('aria-valuenow'))"
+    )
+
+
+def test_the_mouse_moves_sliders_and_a_reset_moves_those_of_the_world_back(browser, floating):
+    world, _, page = floating
+    with closing(browser.open(page.url)) as tab:
+        tab.until(lambda tab: PLAYING in tab.text, "the world to run")
+        assert shown(tab) == ["1", "4"], "speed and substeps"
+        slide(tab, 0, 1.0)
+        tab.until(lambda tab: re.search(r"[234]\.\d\d of real time", tab.text), "four times real time, if it can")
+        slide(tab, 1, 0.0)
+        until(lambda: world.substeps == 1, "a single substep")
+        tab.run("[...document.querySelectorAll('input[type=checkbox]')].at(-1).click()")
+        until(lambda: world.sleeping, "sleep")
+        assert shown(tab) == ["4", "1"]
+        tab.press("Reset")
+        until(lambda: (world.substeps, world.sleeping) == (4, False), "the reset")
+        tab.until(lambda tab: shown(tab) == ["4", "4"], "the slider of the world to go back")
+        assert tab.errors == []
+
+
+def test_the_command_line_shows_a_scene(browser):
+    command = [sys.executable, "-m", "kickdrift", "view", "pyramid", "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        try:
+            url = next(line for line in process.stdout if line.startswith("open ")).removeprefix("open ").strip()
+            with closing(browser.open(url)) as tab:
+                tab.until(lambda tab: PLAYING in tab.text, "the pyramid to stand")
+                tab.until(lambda tab: contrast(tab) > 30, "it to be seen")
+                assert tab.errors == []
+        finally:
+            process.kill()
 
 
 def test_the_mouse_drags_a_body(browser, floating):
