@@ -19,5 +19,5 @@ for order in (0, 2, 4):
     name = "energy" if order == 0 else f"with terms to h^{order}"
     ax.semilogy(sol.t, swing, linewidth=0.9, label=name)
     print(f"{name}: oscillates by {values.max() - values.min():.1e}")
-ax.set(xlabel="t", ylabel="distance from the mean", ylim=(1e-10, 1))
-ax.legend(loc="lower right")
+ax.set(xlabel="t", ylabel="distance from the mean", ylim=(1e-9, 1))
+ax.legend(loc="upper right", ncols=3, fontsize=8)

@@ -29,7 +29,7 @@ fig, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 4.6))
 top.plot(sol.t, planet.e[:, 0])
 top.axhline(np.sqrt(1 - 5 / 3 * np.cos(tilt) ** 2), color="grey", linestyle="--", label="Kozai's limit")
 top.set(ylabel="eccentricity", ylim=(0, 1))
-top.legend(loc="lower right")
+top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
 bottom.plot(sol.t, np.degrees(planet.i[:, 0]), color="C1")
 bottom.set(xlabel="years", ylabel="inclination (degrees)")
 print(

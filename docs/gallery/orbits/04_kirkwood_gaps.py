@@ -31,7 +31,7 @@ ax.plot(axes, largest, ".-", linewidth=0.7, markersize=4)
 for p, q in ((3, 1), (5, 2), (7, 3), (2, 1)):
     place = jupiter * (q / p) ** (2 / 3)
     ax.axvline(place, color="grey", linewidth=0.6)
-    ax.text(place, 1.02 * largest.max(), f"{p}:{q}", ha="center")
+    ax.text(place, 1.11 * largest.max(), f"{p}:{q}", ha="center")
 ax.set(xlabel="semi-major axis at the start (au)", ylabel="largest eccentricity", ylim=(0, 1.1 * largest.max()))
 near = abs(axes - jupiter / 3 ** (2 / 3)) < 0.03
 print(

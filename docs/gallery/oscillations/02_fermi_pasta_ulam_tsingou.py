@@ -37,7 +37,7 @@ fig, ax = plt.subplots(figsize=(7.5, 3.8))
 for mode in range(5):
     ax.plot(sol.t / period, energy[:, mode] / energy[0, 0], label=f"mode {mode + 1}", linewidth=1)
 ax.set(xlabel="periods of the first mode", ylabel="energy of a mode")
-ax.legend(loc="center right")
+ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=8, frameon=False)
 first = energy[:, 0] / energy[0, 0]
 late = sol.t > 100 * period
 print(

@@ -35,7 +35,7 @@ fig, ax = plt.subplots(figsize=(7.5, 3.6))
 for k, name in enumerate("xyz"):
     ax.plot(recording.t, own[:, k], label=f"about {name}")
 ax.set(xlabel="time (s)", ylabel="spin in the body's axes (rad/s)")
-ax.legend(loc="upper right")
+ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8, frameon=False)
 print("moments of inertia, g m^2:", np.round(1e3 * np.diag(moments), 4))
 about = own @ middle
 print(f"turns over at {', '.join(f'{t:.1f}' for t in recording.t[1:][about[1:] * about[:-1] < 0])} s")
