@@ -176,7 +176,7 @@ def test_an_equation_without_a_solution_ends_the_run_with_a_sentence():
         assert s.status is kd.Outcome.NOT_CONVERGED
         assert s.x.tolist() == [[1.0]]
         assert "t=0.0, after 0 of 2 steps. The residual was" in s.message
-        assert s.message.endswith("Try a smaller step.")
+        assert s.message.endswith("Try a smaller step; where the force jumps, give switches.")
         assert kd.solve(step=0.01, method=method, **given).success
 
 

@@ -236,7 +236,8 @@ class Run:
             t = self.rows.time(good.step) if self._stop is None else self._stop.t
             message = ended_early(outcome, t, self.rows.steps_of(good.step), cause)
         if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == NO_STEP[FAILED_CONTROL]:
-            message += " Try a smaller step."
+            jumps = "; where the force jumps, give switches" if outcome is Outcome.NOT_CONVERGED else ""
+            message += f" Try a smaller step{jumps}."
         evaluations = good.mark.trials * program.evaluations
         evaluations += sum(FLOWS[name].evaluations for name in program.primers) + int(self._state.work[EVALUATIONS])
         work, size = self._state.work, self._state.x.size
