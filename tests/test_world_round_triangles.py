@@ -6,7 +6,7 @@ from colliding import count_contacts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kickdrift.world.shapes.kinds import CAPSULE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kinds import CAPSULE, CONE, CYLINDER, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -228,3 +228,20 @@ def test_the_margin_counts():
         assert collide(kind, face, b, (0.0, 0.0, 0.1199, *turn))[3]
         assert not collide(kind, face, b, (0.0, 0.0, 0.1201, *turn))[3]
         assert not collide(kind, face, b, (0.0, -1.09, 0.09, *turn))[3]
+
+
+def test_a_barrel_beside_a_triangle_and_behind_it_does_not_touch_it():
+    corners = [(0.362, -1.213, -1.007), (0.083, 0.524, 0.774), (0.292, 0.876, -0.281)]
+    manifold, barrel = np.zeros(64), np.array([0.898, 0.898, 1.108])
+    pose = np.array([-0.1979, 0.0263, 1.5257, *LYING])  # 3 mm apart, and 0.8 m behind the plane at the other end
+    assert count_contacts((TRIANGLE, CYLINDER), triangle(corners), barrel, pose, 0.02, manifold) == 0
+
+
+def test_a_corner_that_is_deep_in_the_base_of_a_cone_pushes_it_out():
+    corners = [(0.092, -0.06, 0.068), (-0.026, -0.055, -0.014), (0.086, -0.138, -0.036)]
+    manifold, cone = np.zeros(64), np.array([0.299, 0.0, 0.134])
+    pose = np.array([-0.1643, -0.1276, 0.157, *UPRIGHT])
+    assert count_contacts((TRIANGLE, CONE), triangle(corners), cone, pose, 0.02, manifold) == 1
+    assert manifold[:3] == pytest.approx((0.0, 0.0, 1.0))
+    assert manifold[8:11] == pytest.approx(corners[0])
+    assert manifold[13] == pytest.approx(-0.134)
