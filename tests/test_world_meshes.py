@@ -1,4 +1,4 @@
-"""Bodies that move over the triangles of a flat mesh, against the same on a plane."""
+"""Bodies that move over the triangles of a flat mesh, against the same on a plane; tips and edges of meshes."""
 
 import math
 
@@ -56,3 +56,28 @@ def loads(kind):
 def test_the_wheels_of_a_cart_keep_their_loads_from_triangle_to_triangle():
     """They are not determined by statics, but by those that the wheels have had."""
     assert loads("mesh") == pytest.approx(loads("plane"), abs=1e-6)
+
+
+@pytest.mark.parametrize("turned", [0, 1, 2])
+def test_a_plate_lies_on_the_tip_of_a_pyramid_with_whichever_corner_its_triangles_begin(turned):
+    world, angles = kd.World(), np.arange(4) * 0.5 * np.pi
+    corners = [*np.column_stack((np.cos(angles), np.sin(angles), np.zeros(4))), (0.0, 0.0, 1.0)]
+    world.add_mesh(corners, [np.roll((k, (k + 1) % 4, 4), turned) for k in range(4)])
+    plate = world.add_cylinder(1.0, 0.2, position=(0.05, 0, 1.15), mass=1.0)
+    world.advance(1 / 60, 30)
+    assert plate.position[2] > 1.0
+
+
+@pytest.mark.parametrize("degrees", [10, 45, 75])
+def test_a_pole_that_leans_past_the_edge_of_a_thin_plate_is_not_pushed(degrees):
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.01, 0.01)])
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    world, angle = kd.World(gravity=(0, 0, 0)), math.radians(degrees)
+    world.add_mesh(corners, [triangle for p, q, r, s in faces for triangle in ((p, q, r), (p, r, s))])
+    middle = np.array([0.5 + 0.06 / math.cos(angle), 0.0, 0.0]) + 0.1 * np.array(
+        [math.sin(angle), 0.0, math.cos(angle)]
+    )
+    turn = (math.cos(angle / 2), 0.0, math.sin(angle / 2), 0.0)
+    pole = world.add_capsule(0.03, 1.0, position=middle, orientation=turn, mass=1.0)
+    world.step(1 / 60)
+    assert np.abs(pole.velocity).max() == 0.0

@@ -88,7 +88,11 @@ def triangle_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     low, high = _over(a, corners, up, centre, axis, half, overlap)
     lowest = low if rise > 0.0 else high
     edge, t, y, s = _nearest(corners, up, centre, axis, half)
-    if (low <= high and height + lowest * rise < 0.0) or (edge != _FACE and not _convex(a, edge, s)):
+    sunk = low <= high and height + lowest * rise < 0.0
+    if sunk and height > 0.0:  # unless the axis gets below the triangle beside a convex edge
+        side, at, _ = _edge_beside(corners, up, along(centre, -height / rise, axis))
+        sunk = side == _FACE or not _convex(a, side, at)
+    if sunk or (edge != _FACE and not _convex(a, edge, s)):
         if low > high:
             return 0
         edge, t = _FACE, lowest
