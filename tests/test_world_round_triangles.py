@@ -245,3 +245,12 @@ def test_a_corner_that_is_deep_in_the_base_of_a_cone_pushes_it_out():
     assert manifold[:3] == pytest.approx((0.0, 0.0, 1.0))
     assert manifold[8:11] == pytest.approx(corners[0])
     assert manifold[13] == pytest.approx(-0.134)
+
+
+def test_a_cone_that_rests_beside_a_triangle_is_not_pushed_by_its_far_corner():
+    """The neighbour across an edge that is not convex carries it."""
+    corners = [(-0.8, 0.8, -0.149936), (0.0, 1.6, 0.0), (-0.8, 1.6, 0.006284)]
+    cone, manifold = np.array([0.082411, 0.0, 0.303595]), np.zeros(64)
+    pose = np.array([-0.6634, 1.3268, -0.0055, -0.6809, 0.25581, -0.68596, 0.02002])
+    pose[3:] /= np.linalg.norm(pose[3:])
+    assert count_contacts((TRIANGLE, CONE), triangle(corners, (0.0, 1.0, 0.0)), cone, pose, 0.02, manifold) == 0

@@ -60,7 +60,7 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
         count, depth = lie_on_face(f, triangle, seen, 0, tolerance, margin, frame, manifold)
         if count > 0 and (side < 0 or abs(depth - best) <= off):
             return count
-    if side < 0 or (apart > 0.0 and gap_edge < apart - off):  # farther than another edge, or the face
+    if side < 0 or gap_edge < best - off:  # farther than the face, beside which the two touch
         return 0
     p, q = vertex(seen, side), vertex(seen, (side + 1) % 3)
     if above > tolerance:  # in deep overlap a corner of another edge may be the deepest
