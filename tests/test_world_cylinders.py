@@ -359,3 +359,15 @@ def test_a_cone_touches_the_long_edge_of_a_column_where_it_is():
     assert count_contacts((BOX, CONE), column, cone, pose, 0.02, manifold) == 1
     assert math.hypot(manifold[11], manifold[12]) <= 0.5 + 1e-3
     assert abs(manifold[13]) <= 0.095627 + 1e-3
+
+
+@pytest.mark.parametrize("degrees", [35, 65, 305])
+@pytest.mark.parametrize("shape", ["cylinder", "cone"])
+def test_what_stands_over_the_rim_of_a_round_plate_stays_there_in_every_direction(shape, degrees):
+    world, angle = kd.World(), math.radians(degrees)
+    world.add_cylinder(1.0, 0.1, position=(0, 0, -0.05), static=True, friction=0.6)
+    at = (0.95 * math.cos(angle), 0.95 * math.sin(angle), 0.2)
+    body = getattr(world, f"add_{shape}")(0.3, 0.4, position=at, mass=1.0, friction=0.6)
+    start = body.position.copy()
+    world.advance(STEP, 60)
+    assert body.position == pytest.approx(start, abs=1e-3)

@@ -118,7 +118,7 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: 
         frame[0] * -frame[9] + frame[3] * -frame[10] + frame[6] * -frame[11],
         frame[1] * -frame[9] + frame[4] * -frame[10] + frame[7] * -frame[11],
     )
-    angle, step = math.atan2(y, x), 2.0 * math.pi / SIDES
+    angle, step, near = math.atan2(y, x), 2.0 * math.pi / SIDES, SIDES
     for turn in range(_ROUNDS):
         x, y = math.cos(angle), math.sin(angle)
         _set_frustum(body, f, x, y)
@@ -128,6 +128,7 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: 
         # polygon tells on which side of the present corner the true contact is, and its angle is found by bisection.
         sine, u, v = lowest_direction(_normal(manifold), FLAT_ON)
         off = math.atan2(x * v - y * u, x * u + y * v)
+        near = SIDES if sine >= FLAT_ON else 0  # on flat ends the corners stay where they are in the body, near or not
         if turn == 0 or sine < FLAT_ON:
             angle += off
         else:
@@ -137,7 +138,7 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: 
             break
     x, y = math.cos(angle), math.sin(angle)
     _set_frustum(body, f, x, y)
-    return polyhedron_frustum(body, flat, SIDES, g, frame, margin, manifold)
+    return polyhedron_frustum(body, flat, near, g, frame, margin, manifold)
 
 
 @compiled
