@@ -371,3 +371,14 @@ def test_what_stands_over_the_rim_of_a_round_plate_stays_there_in_every_directio
     start = body.position.copy()
     world.advance(STEP, 60)
     assert body.position == pytest.approx(start, abs=1e-3)
+
+
+def test_the_base_of_a_cone_is_found_before_it_lies_on_the_middle_of_a_side():
+    """Face and end have the same separation then, and rounding decides which is tried first."""
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        side, half, gap = rng.uniform(0.3, 0.5), rng.uniform(0.1, 0.3), rng.uniform(-1e-3, 6e-3)
+        pose = np.array([side + half + gap, 0.5, 0.2, *np.array([1.0, 0.0, 1.0, 0.0]) / math.sqrt(2.0)])
+        box, cone, manifold = np.array([side, 1.4, 0.4]), np.array([0.06, 0.0, half]), np.zeros(64)
+        assert count_contacts((BOX, CONE), box, cone, pose, 0.02, manifold) == 4
+        assert manifold[:3] == pytest.approx((1.0, 0.0, 0.0))

@@ -215,14 +215,16 @@ def _lowest_point_along(f: Frustum, n: Vector) -> Vector:
 
 @compiled
 def _point_on_face(f: Frustum, seen: Any, face: int) -> Vector:
-    """Return a point of a frustum in the plane of a face; if all of it is below, the lowest one.
+    """Return a point of a frustum in the plane of a face; the lowest one if all of it is below, or its foot if it is above.
 
-    If no edge touches the frustum, its section with the plane is either inside the face or beside it.
+    If no edge touches the frustum, its section with the plane, or what is nearest to it, is inside the face or beside it.
     """
     normal, offset = plane(seen, face)
     low, up = _lowest_point(f, seen, face), _lowest_point_along(f, times(-1.0, normal))
     bottom, top = dot(normal, low) - offset, dot(normal, up) - offset
-    return along(low, -bottom / (top - bottom), minus(up, low)) if bottom < 0.0 < top else low
+    if bottom >= 0.0:
+        return along(low, -bottom, normal)
+    return along(low, -bottom / (top - bottom), minus(up, low)) if top > 0.0 else low
 
 
 @compiled
