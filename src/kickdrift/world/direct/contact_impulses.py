@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import inner, plus_scaled, put_spatial_of, spatial_at, spatial_of
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.direct.contact_rows import bind, bind_points, first_row, give_of, impulse_field
+from kickdrift.world.direct.contact_rows import bind, bind_points, bound_of, first_row, give_of, impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, PRESS, REST, read_both, twelve
 from kickdrift.world.direct.layout import (
     ACTIVE,
@@ -38,14 +38,13 @@ def refine_contacts(island: int, world: int) -> float:
     own, order, worst = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         numbers = contact_row(order[k, 0], world)
+        if numbers[CUT] != 0.0:
+            continue
         for i in range(CONTACT_ROWS):
-            first = i if i < TANGENT else first_row(0 if i < TWIST else 1 if i == TWIST else 2)
+            first = i if i < TANGENT else first_row(bound_of(i))
             if numbers[ACTIVE + i] != 0.0 and numbers[STATE + first] == HELD:
-                missing = numbers[WANTED + i] - numbers[SPEED + i]
-                if numbers[CUT] != 0.0:
-                    continue
-                if i < TANGENT + 2:
-                    worst = max(worst, abs(missing - numbers[MOVED + i]))
+                if i < TWIST:
+                    worst = max(worst, abs(numbers[WANTED + i] - numbers[SPEED + i] - numbers[MOVED + i]))
                 numbers[BASE + i] = numbers[GIVEN + i]
     return worst
 
@@ -69,8 +68,7 @@ def predict_contacts(island: int, world: int) -> None:
             numbers[MOVED + i] = total
         for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] != 0.0:
-                bound = -1 if i < TANGENT else 0 if i < TWIST else 1 if i == TWIST else 2
-                numbers[GIVEN + i] = give_of(numbers, i, bound)
+                numbers[GIVEN + i] = give_of(numbers, i)
 
 
 @compiled(cached=False, fast=True)

@@ -120,6 +120,12 @@ def bound_rows(bound: int) -> int:
     return 2 if bound == 0 else 1 if bound == 1 else 3
 
 
+@compiled(inline=True, cached=False, fast=True)
+def bound_of(k: int) -> int:
+    """Return the bound of a row; -1 for points."""
+    return -1 if k < TANGENT else 0 if k < TWIST else 1 if k == TWIST else 2
+
+
 @compiled(cached=False, fast=True)
 def find_bounds(own: Any, rows: Any) -> None:
     """Bound friction, torsion and rolling resistance by the normal impulses of the current solution."""
@@ -256,10 +262,10 @@ def fix(own: Any, rows: Any) -> None:
 
 
 @compiled(cached=False, fast=True)
-def give_of(rows: Any, k: int, bound: int) -> float:
-    """Return the change of impulse along a row in the current solution; `bound` is -1 for points."""
+def give_of(rows: Any, k: int) -> float:
+    """Return the change of impulse along a row in the current solution."""
     impulse: float = rows[CONSTANT + k]
-    stiffness, moved = 0.0, 0.0
+    stiffness, moved, bound = 0.0, 0.0, bound_of(k)
     if bound < 0:
         if rows[STATE + k] == HELD:
             stiffness, moved = rows[STIFFNESS + k], rows[MOVED + k]

@@ -99,7 +99,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
                 if links[at, HELD_AXES] >> k & 1:
                     work[at, AXIS_IMPULSE + k] -= share * numbers[joint, JOINT_IMPULSE + k]
             give_joint(joint, at, PRESS, world)
-            end_joint(joint, at, h, world)
+            end_joint(joint, h, world)
 
 
 @compiled

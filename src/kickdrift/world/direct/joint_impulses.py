@@ -74,11 +74,11 @@ def end_solution(island: int, h: float, world: int) -> None:
     """Store the joint impulses of an island before the drift."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        end_joint(links[order[place, 0], LINK_JOINT], order[place, 0], h, world)
+        end_joint(links[order[place, 0], LINK_JOINT], h, world)
 
 
 @compiled(cached=False)
-def end_joint(joint: int, link: int, h: float, world: int) -> None:
+def end_joint(joint: int, h: float, world: int) -> None:
     """Store the impulses of a joint before the drift."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):

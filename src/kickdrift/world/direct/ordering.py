@@ -70,7 +70,7 @@ def order_nodes(world: int, island: int) -> bool:
                     best, fewest = i, degree
         parent = links[bits[member + best, 0], PARENT]
         p = links[parent, NODE_ROW] - first if parent >= 0 else -1
-        if not _eliminate(world, first, best, p, words, place):
+        if not _eliminate(world, best, p, words, place):
             return False
         bits[children + best, 0] = -1
         if p >= 0:
@@ -164,7 +164,7 @@ def _couple(world: int, island: int, words: int) -> bool:
 
 
 @compiled(cached=False)
-def _eliminate(world: int, first: int, i: int, parent: int, words: int, place: int) -> bool:
+def _eliminate(world: int, i: int, parent: int, words: int, place: int) -> bool:
     """Eliminate a node: write its neighbours, as indices in the list so far, and couple them and its parent to each other."""
     nodes, neighbours, bits = integers(world, NODE), integers(world, NEIGHBOUR), integers(world, ADJACENCY)
     count = _count(bits, i, words)
