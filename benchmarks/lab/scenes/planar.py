@@ -70,4 +70,24 @@ def _towers(members: int = 6) -> Trial:
     return Trial("planar: 6 towers of random boxes", tuple(scenes), 10.0, (rests(), stays(0.1)))
 
 
-TRIALS = (_zigzag(), _pyramid(), _towers(), _bridge(True), _bridge(False))
+def _nets(side: int = 14, mesh: float = 0.2) -> Trial:
+    """Let weightless nets of balls fly on: their bodies turn in the plane only, however the axes of joints are rounded."""
+    random, scenes = np.random.default_rng(1), []
+    places = mesh * np.stack(np.meshgrid(np.arange(side), [0.0], np.arange(side), indexing="ij"), axis=-1)[:, 0]
+    for kind in ("hinge", "ball", "fixed"):
+        builder = Builder(0.0, planar=True)
+        for place in places.reshape(-1, 3):
+            angle, velocity = random.uniform(-np.pi, np.pi), random.normal(size=3) * (1.0, 0.0, 1.0)
+            turn = (np.cos(angle / 2), 0.0, np.sin(angle / 2), 0.0)
+            mass = 10.0 ** random.uniform(-0.5, 0.5)
+            builder.sphere(0.05, position=place, orientation=turn, velocity=velocity, mass=mass)
+        for i, k in np.ndindex(side, side):
+            for near in (i + 1, k), (i, k + 1):
+                if max(near) < side:
+                    anchor = (places[i, k] + places[near]) / 2
+                    builder.join(kind, side * i + k, side * near[0] + near[1], anchor, (0.0, 1.0, 0.0))
+        scenes.append(builder.scene())
+    return Trial("planar: nets of 14 x 14 balls", tuple(scenes), 2.0, (rises(1e-6), apart(0.1)))
+
+
+TRIALS = (_zigzag(), _pyramid(), _towers(), _nets(), _bridge(True), _bridge(False))

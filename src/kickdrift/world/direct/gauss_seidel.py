@@ -71,7 +71,8 @@ from kickdrift.world.tables import (
 # Frequency of the springs, Hz, at most a quarter of that of substeps, and damping ratio.
 _HERTZ, _DAMPING = 60.0, 2.0
 
-# An axis whose pivot is less than this fraction of its diagonal element is held by the other axes already.
+# An axis whose pivot is less than this fraction of its diagonal element is held by the other axes already. One about which the
+# bodies turn by less than this fraction of how they turn about all three is immovable, as out of the plane of a planar world.
 _IMPLIED = 1e-10
 
 
@@ -150,6 +151,10 @@ def _find_responses(joint: int, at: int, active: int, responses: Any, world: int
         k = joints[joint, PRINCIPAL]
         responses[k, k] = mobility_of_gear(joint, at, world)
         return
+    turning = 0.0
+    for side in range(2):
+        for i in range(3):
+            turning += response[joints[joint, BODY_A + side], INVERSE_INERTIA_IN_WORLD + i]
     for k in range(6):
         if not active >> k & 1:
             continue
@@ -166,6 +171,8 @@ def _find_responses(joint: int, at: int, active: int, responses: Any, world: int
                 for i in range(12):
                     total += wrenches[other, i] * moved[0, i]
                 responses[k, other], responses[other, k] = total, total
+        if k >= 3 and responses[k, k] <= _IMPLIED * turning:
+            responses[k, k] = 0.0
 
 
 @compiled(cached=False)
