@@ -1,7 +1,5 @@
 """The residual of the sweeps: the normal speed of loaded points after a step."""
 
-from typing import Any
-
 from numba import carray
 
 from kickdrift.core.calls import caller
@@ -15,7 +13,7 @@ from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.contacts.transpose import gather_rows
-from kickdrift.world.layout import RESIDUAL_SIZE, VELOCITY
+from kickdrift.world.layout import RESIDUAL_SIZE
 from kickdrift.world.settings import GRAVITY, RESIDUAL
 from kickdrift.world.tables import (
     BODY,
@@ -35,8 +33,8 @@ _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
 # Residuals above _NOTED times the velocity that gravity and forces add in a step are noted, and above _FAR times that they are
-# far too large. Bodies that approach or part faster than _CALM times the residual do not press on each other.
-_NOTED, _FAR, _CALM = 0.01, 30.0, 10.0
+# far too large.
+_NOTED, _FAR = 0.01, 30.0
 
 # Bits of RESIDUAL_SIZE: in this step the residual of a body was noted; was far too large; or the body has contacts that are
 # solved directly.
@@ -63,7 +61,7 @@ def measure_residual(t: float, h: float, world: int) -> None:
             if left > least:
                 a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane]
                 noted = _NOTED * h * max(weight_per_mass(world, a), weight_per_mass(world, b))
-                if left > noted > 0.0 and _approach(world, a, b, lanes, g * _SIZE + lane) < _CALM * left:
+                if left > noted > 0.0:
                     for row in (a, b):
                         body[row, RESIDUAL_SIZE] |= (
                             NOTED_RESIDUAL | FAR_RESIDUAL if left > _FAR * noted else NOTED_RESIDUAL
@@ -74,12 +72,3 @@ def measure_residual(t: float, h: float, world: int) -> None:
                 body[groups[g, c.BODIES_A + lane], RESIDUAL_SIZE] |= TOUCHES
                 body[groups[g, c.BODIES_B + lane], RESIDUAL_SIZE] |= TOUCHES
     floats(world, SETTINGS)[0, RESIDUAL] = most
-
-
-@compiled(inline=True)
-def _approach(world: int, a: int, b: int, lanes: Any, lane: int) -> float:
-    """Return how fast the centres of mass of two bodies approach or part along the normal of their contact, m/s."""
-    motion, along = floats(world, MOTION), 0.0
-    for k in range(3):
-        along += lanes[lane + (c.N + k) * _W] * (motion[b, VELOCITY + k] - motion[a, VELOCITY + k])
-    return abs(along)
