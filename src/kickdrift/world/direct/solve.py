@@ -38,10 +38,10 @@ from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
 from kickdrift.world.tables import ISLAND, KICKED, MOTION, SETTINGS, floats, integers
 
 # Newton's method stops when the joint errors, relative to the arms and times the mass ratio, are below CLOSE, with contacts
-# CLOSE_TOUCHING, with loops CLOSE_LOOPS. Most islands take two steps; one that is not NEAR after QUICK steps starts again from
-# velocities that joints allow, with ROUNDS steps. Each step squares the error of trees, so the last error is not evaluated.
+# CLOSE_TOUCHING, with loops CLOSE_LOOPS. Most islands take two steps; one that is not NEAR after ROUNDS steps starts again from
+# velocities that joints allow. Each step squares the error of trees, so the last error is not evaluated.
 # Rotors that fly freely lose 4e-6 of their energy in 5 s with 1e-7, and 4e-4 with 1e-6, which is enough with contacts.
-QUICK, ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 3, 6, 1e-7, 1e-6, 1e-9, 1e-5
+ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 6, 1e-7, 1e-6, 1e-9, 1e-5
 
 # An island is given up if its error is above FAR at the end, relative to the arms.
 FAR = 1e-3
@@ -65,7 +65,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
             _press(island, h, world)
             continue
         off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-        if not (off <= POOR and _approach(island, h, off, QUICK, world) <= NEAR):
+        if not (off <= POOR and _approach(island, h, off, world) <= NEAR):
             _solve_carefully(island, h, world)
     for island in range(direct_islands(world)):
         if is_cut(island, world):
@@ -110,11 +110,11 @@ def _close(island: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def _approach(island: int, h: float, off: float, most: int, world: int) -> float:
-    """Do up to `most` steps of Newton's method, and return the error of joints times the mass ratio; infinity on failure."""
+def _approach(island: int, h: float, off: float, world: int) -> float:
+    """Do up to ROUNDS steps of Newton's method, and return the error of joints times the mass ratio; infinity on failure."""
     own = integers(world, ISLAND)[island]
     ratio, closed, close = own[RATIO], own[AFTER_JOINT] > own[FIRST_CLOSING], _close(island, world)
-    for step in range(most):
+    for step in range(ROUNDS):
         begin_closings(island, world)
         begin_contacts(island, h, PRESS, world)
         if not solve(island, h, h, PRESS, step == 0, True, world):
@@ -132,7 +132,7 @@ def _solve_carefully(island: int, h: float, world: int) -> None:
     project(island, h, GENTLY, PRESS, world)
     energy = kinetic_energy(island, MOTION, world)
     off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-    off = _approach(island, h, off, ROUNDS, world)
+    off = _approach(island, h, off, world)
     if not (
         off <= FAR * islands[island, RATIO]
         and kinetic_energy(island, MOTION, world) <= allowance(island, h, world) * energy + energy_given(island, world)
