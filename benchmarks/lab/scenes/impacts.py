@@ -1,6 +1,7 @@
 """What is struck: fast boxes, billiard balls, dominoes, coins."""
 
 import numpy as np
+from scipy.spatial.distance import pdist
 
 from benchmarks.lab.building import GRAVITY, Builder
 from benchmarks.lab.measures import at_most, comes_to, keeps
@@ -175,6 +176,29 @@ def _gas(members: int = 3, count: int = 30) -> Trial:
     return Trial("gas of 30 light and heavy balls between thin walls, e = 1", tuple(scenes), 5.0, criteria)
 
 
+def _crowded(members: int = 3, count: int = 157, radius: float = 0.08) -> Trial:
+    """Elastic balls at 30 m/s, so close that most are hit within a step: what is turned aside meets others, and stops there."""
+    random, scenes = np.random.default_rng(157), []
+    grid = 0.32 * np.stack(np.meshgrid(*3 * [np.arange(6) - 2.5]), axis=-1).reshape(-1, 3)
+    for _ in range(members):
+        builder = Builder(0.0, friction=0.0, restitution=1.0)
+        for axis in range(3):
+            for side in (-1.05, 1.05):
+                builder.box(2.4 - 2.3 * np.eye(3)[axis], position=side * np.eye(3)[axis], static=True)
+        for place in grid[:count]:
+            way = random.normal(size=3)
+            at, velocity = place + random.uniform(-0.05, 0.05, 3), 30.0 * way / np.linalg.norm(way)
+            builder.sphere(radius, position=at, mass=1.0, velocity=velocity)
+        scenes.append(builder.scene())
+
+    def deepest(scene: Scene, watched: Watched) -> float:
+        balls = watched.poses[:, 6:, :3]
+        return 2 * radius - float(min(pdist(places).min() for places in balls))
+
+    criteria = (at_most("overlap", "m", deepest, radius / 2), keeps(0.01))
+    return Trial("157 balls at 30 m/s between walls, e = 1", tuple(scenes), 1.0, criteria, looks=60)
+
+
 def _tube(members: int = 3) -> Trial:
     """Two free boxes of 10 kg to a ton fly about in a tube that is closed, with balls of 0.1 to 10 g between them and its ends.
 
@@ -215,5 +239,6 @@ TRIALS = (
     _dominoes(),
     _coin(),
     _gas(),
+    _crowded(),
     _tube(),
 )

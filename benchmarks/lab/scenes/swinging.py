@@ -3,7 +3,7 @@
 import numpy as np
 
 from benchmarks.lab.building import GRAVITY, GROUND, Builder
-from benchmarks.lab.measures import apart, at_most, comes_to, keeps, rises
+from benchmarks.lab.measures import apart, at_most, comes_to, keeps, rests, rises, stays
 from benchmarks.lab.trial import Trial
 from benchmarks.world.described import Scene
 from benchmarks.world.judge import Watched
@@ -30,6 +30,22 @@ def _chain(kind: str, links: int, end: float) -> Trial:
         f", {end:g} kg below" if end else ""
     )
     return Trial(name, (builder.scene(),), 5.0, (keeps(0.01), apart(0.01)), looks=100)
+
+
+def _held(members: int = 6, links: int = 8, length: float = 0.3) -> Trial:
+    """Let the friction of ball joints hold bent chains, which it can with more than twice the torque that they need."""
+    random, scenes = np.random.default_rng(22), []
+    for _ in range(members):
+        builder, before, at = Builder(), GROUND, np.zeros(3)
+        for _ in range(links):
+            way = random.normal(1.0 * np.eye(3)[0])
+            way *= length / np.linalg.norm(way)
+            ball = builder.sphere(0.1, position=at + way / 2, mass=1.0, **_PASSING)
+            builder.join("ball", before, ball, at, friction=4.0 * links * GRAVITY * length)
+            before, at = ball, at + way
+        scenes.append(builder.scene())
+    criteria = (rests(), stays(0.01), apart(0.01))
+    return Trial("6 chains held by friction of ball joints", tuple(scenes), 2.0, criteria)
 
 
 def _grid(size: int = 10) -> Trial:
@@ -130,6 +146,7 @@ TRIALS = (
     _chain("ball", 10, 0.0),
     _chain("hinge", 20, 100.0),
     _chain("ball", 20, 1000.0),
+    _held(),
     _grid(),
     _drum(),
     *(_spring(hertz) for hertz in (1.0, 6.0)),
