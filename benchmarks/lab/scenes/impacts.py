@@ -1,5 +1,7 @@
 """What is struck: fast boxes, billiard balls, dominoes, coins."""
 
+import itertools
+
 import numpy as np
 from scipy.spatial.distance import pdist
 
@@ -199,6 +201,23 @@ def _crowded(members: int = 3, count: int = 157, radius: float = 0.08) -> Trial:
     return Trial("157 balls at 30 m/s between walls, e = 1", tuple(scenes), 1.0, criteria, looks=60)
 
 
+def _wedged(radius: float = 0.05, gap: float = 0.1) -> Trial:
+    """Drive a ball of 1 or 100 g into a wall of 2 cm with one of 1 kg at 10 or 30 m/s, e = 0: all stop there."""
+    scenes = []
+    for mass, speed in itertools.product((1e-3, 0.1), (10.0, 30.0)):
+        builder = Builder(0.0, friction=0.0)
+        builder.box((0.02, 4.0, 4.0), position=(0.01, 0.0, 0.0), static=True)
+        builder.sphere(radius, position=(-radius - gap, 0.0, 0.0), mass=mass)
+        builder.sphere(radius, position=(-4 * radius - gap, 0.0, 0.0), mass=1.0, velocity=(speed, 0.0, 0.0))
+        scenes.append(builder.scene())
+
+    def left(scene: Scene, watched: Watched) -> float:
+        return float(np.linalg.norm(watched.motions[-1, 2, :3]) / watched.motions[0, 2, 0])
+
+    criteria = (at_most("part of its speed left", "", left, 0.1),)
+    return Trial("4 balls that press a light one to a wall, e = 0", tuple(scenes), 0.2, criteria, looks=12)
+
+
 def _tube(members: int = 3) -> Trial:
     """Two free boxes of 10 kg to a ton fly about in a tube that is closed, with balls of 0.1 to 10 g between them and its ends.
 
@@ -240,5 +259,6 @@ TRIALS = (
     _coin(),
     _gas(),
     _crowded(),
+    _wedged(),
     _tube(),
 )
