@@ -25,7 +25,7 @@ _TOLERANCE = 1e-12  # of the substep
 
 
 @compiled
-def rests(h: float, world: int, row: int, own: Any, slowest: float) -> bool:
+def rests(world: int, h: float, row: int, own: Any, slowest: float) -> bool:
     """Whether no point of a contact can reach the bounce speed `slowest` within the substep: true of most resting contacts."""
     contact, motion = integers(world, CONTACT), floats(world, MOTION)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
@@ -43,8 +43,8 @@ def rests(h: float, world: int, row: int, own: Any, slowest: float) -> bool:
 
 @compiled
 def find_time(
-    h: float,
     world: int,
+    h: float,
     row: int,
     own: Any,
     point: int,
@@ -66,8 +66,8 @@ def find_time(
         within the substep, or it overlaps and comes to separate as fast.
     """
     normal = vector_of(own, c.N)
-    gap, speed, bend = _gap(h, world, row, own, point, normal, flight_a, flight_b)
-    rate, most = _fastest_turn(h, world, row, own, point, normal, flight_a, flight_b)
+    gap, speed, bend = _gap(world, h, row, own, point, normal, flight_a, flight_b)
+    rate, most = _fastest_turn(world, h, row, own, point, normal, flight_a, flight_b)
     left = h - since
     if gap > 0.0 and gap + left * speed - 0.5 * most * left * left > 0.0:
         return math.inf, 0.0, most * left > slowest
@@ -82,7 +82,7 @@ def find_time(
             break
         first, above = when, gap > 0.0
         when = min(when + min(window, _time_to_zero(gap, speed, bend) if above else window), h)
-        gap, speed, bend = _gap_at(h, world, row, own, point, normal, when)
+        gap, speed, bend = _gap_at(world, h, row, own, point, normal, when)
         for _ in range(_ROUNDS if above else 0):
             step = _time_to_zero(gap, speed, bend)
             if abs(step) <= _TOLERANCE * h:
@@ -90,7 +90,7 @@ def find_time(
             if gap == 0.0 or not first <= when + step <= min(first + window, h):
                 break
             when += step
-            gap, speed, bend = _gap_at(h, world, row, own, point, normal, when)
+            gap, speed, bend = _gap_at(world, h, row, own, point, normal, when)
         touches, leaves = min(touches, when if gap <= 0.0 else math.inf), max(leaves, speed)
     return touches, 0.0, leaves > slowest or (touches == math.inf and most * left > slowest)
 
@@ -106,17 +106,17 @@ def _time_to_zero(gap: float, speed: float, bend: float) -> float:
 
 @compiled
 def _gap_at(
-    h: float, world: int, row: int, own: Any, point: int, normal: Vector, when: float
+    world: int, h: float, row: int, own: Any, point: int, normal: Vector, when: float
 ) -> tuple[float, float, float]:
     """Return `_gap` at a time in the substep."""
     contact = integers(world, CONTACT)
-    flight_a, flight_b = flown(h, world, contact[row, c.BODY_A], when), flown(h, world, contact[row, c.BODY_B], when)
-    return _gap(h, world, row, own, point, normal, flight_a, flight_b)
+    flight_a, flight_b = flown(world, h, contact[row, c.BODY_A], when), flown(world, h, contact[row, c.BODY_B], when)
+    return _gap(world, h, row, own, point, normal, flight_a, flight_b)
 
 
 @compiled
 def _gap(
-    h: float, world: int, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
+    world: int, h: float, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
 ) -> tuple[float, float, float]:
     """Return the gap of a point and its first and second derivative in time, for the given motions of its bodies."""
     contact = integers(world, CONTACT)
@@ -172,7 +172,7 @@ def _acceleration(flight: Flight, arm: Vector) -> Vector:
 
 @compiled
 def _fastest_turn(
-    h: float, world: int, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
+    world: int, h: float, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
 ) -> tuple[float, float]:
     """Bound the rate at which a point turns, rad/s, and the second derivative of its gap, m/s^2.
 

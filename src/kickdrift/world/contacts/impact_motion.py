@@ -95,7 +95,7 @@ def is_moved(world: int, body: int) -> bool:
 
 
 @compiled
-def flown(h: float, world: int, body: int, when: float) -> Flight:
+def flown(world: int, h: float, body: int, when: float) -> Flight:
     """Return pose and motion of a body at a time `when` in the substep, s, by free flight; see `Flight`."""
     pose, motion, kicked, inertia = (
         floats(world, POSE),
@@ -107,8 +107,8 @@ def flown(h: float, world: int, body: int, when: float) -> Flight:
     v, w, none = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY), (0.0, 0.0, 0.0)
     if not is_moved(world, body):
         return plus(at, times(when, v)), product(exponential(times(when, w)), q), v, w, none, times(when, w)
-    at = plus(at, _way(h, world, body, when))
-    v = minus(v, times(_left_to_gain(h, world, when), vector_at(kicked, body, ADDED)))
+    at = plus(at, _way(world, h, body, when))
+    v = minus(v, times(_left_to_gain(world, h, when), vector_at(kicked, body, ADDED)))
     if inertia[body, INERTIA_KIND] != TUMBLES:
         return at, product(exponential(times(when, w)), q), v, w, none, times(when, w)
     # From its last impact on; before that, it has not rotated as in free flight.
@@ -168,13 +168,13 @@ def _away(axis: Vector, normal: Vector) -> Vector:
 
 
 @compiled
-def move_to_impact(h: float, world: int, body: int) -> None:
+def move_to_impact(world: int, h: float, body: int) -> None:
     """Move a body to the pose of its next impact, with the velocities that it has there."""
     kicked, pose, motion = floats(world, KICKED), floats(world, POSE), floats(world, MOTION)
     when = kicked[body, NEXT_IMPACT]
     if when < 0.0 or not is_moved(world, body):
         return
-    at, q, v, w, _, way = flown(h, world, body, when)
+    at, q, v, w, _, way = flown(world, h, body, when)
     for k in range(3):
         pose[body, POSITION + k], motion[body, VELOCITY + k], motion[body, ANGULAR_VELOCITY + k] = at[k], v[k], w[k]
         floats(world, DELTA_POSE)[body, ROTATION + k] += way[k]
@@ -184,7 +184,7 @@ def move_to_impact(h: float, world: int, body: int) -> None:
 
 
 @compiled
-def leave_impact(h: float, world: int, body: int) -> None:
+def leave_impact(world: int, h: float, body: int) -> None:
     """Move a body back to the pose from which its present velocities lead to the present pose in the time since the start."""
     kicked, pose, motion, delta_pose = (
         floats(world, KICKED),
@@ -196,7 +196,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
         return
     kicked[body, NEXT_IMPACT] = -2.0
     when, inertia = kicked[body, IMPACT_TIME], floats(world, INERTIA)
-    way = _way(h, world, body, when)
+    way = _way(world, h, body, when)
     q, turn = quaternion_at(pose, body, ORIENTATION), vector_at(motion, body, ANGULAR_VELOCITY)
     if inertia[body, INERTIA_KIND] == TUMBLES:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
@@ -205,7 +205,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
         turn = mean_turn(h - when, q, moments, spin, turn)
         for k in range(3):
             kicked[body, SPIN + k] = spin[k]
-    faster = _left_to_gain(h, world, when)
+    faster = _left_to_gain(world, h, when)
     for k in range(3):
         motion[body, VELOCITY + k] += faster * kicked[body, ADDED + k]
         back = when * (motion[body, VELOCITY + k] - kicked[body, KICKED_VELOCITY + k])
@@ -218,7 +218,7 @@ def leave_impact(h: float, world: int, body: int) -> None:
 
 
 @compiled(inline=True)
-def _way(h: float, world: int, body: int, when: float) -> Vector:
+def _way(world: int, h: float, body: int, when: float) -> Vector:
     """Return the displacement of a body from the start of the substep to a time, m, by the midpoint rule if it is set."""
     kicked, midpoint = floats(world, KICKED), floats(world, SETTINGS)[0, MIDPOINT]
     late = midpoint * when * (0.5 * when / h - 1.0)
@@ -226,7 +226,7 @@ def _way(h: float, world: int, body: int, when: float) -> Vector:
 
 
 @compiled(inline=True)
-def _left_to_gain(h: float, world: int, when: float) -> float:
+def _left_to_gain(world: int, h: float, when: float) -> float:
     """Return the fraction of the kick that a body still has to gain at a time, if the midpoint rule is set; else 0."""
     left: float = floats(world, SETTINGS)[0, MIDPOINT] * (1.0 - when / h)
     return left

@@ -89,7 +89,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
             continue
         linked = _is_linked(world, row)
         if e > 0.0 or not linked:
-            constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(substep, world, row)
+            constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(world, substep, row)
         if not linked:
             bouncing[count, BOUNCING_CONTACT] = row
             count += 1
@@ -146,7 +146,7 @@ def bounce(t: float, h: float, world: int) -> None:
     begin_rounds(world)
     body, first, fastest, near = 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
     for n in range(_ROUNDS):
-        fastest, together = _find_round(n, h, world), n >= _APART
+        fastest, together = _find_round(world, n, h), n >= _APART
         first = max(first, fastest)
         if fastest == 0.0 or (together and fastest <= _SLOW * first):
             break
@@ -157,15 +157,15 @@ def bounce(t: float, h: float, world: int) -> None:
         body = b if is_moved(world, b) else a
         for hit in range(rows(world, IMPACT)):
             a, b = bodies_of(world, hit)
-            move_to_impact(h, world, a)
-            move_to_impact(h, world, b)
+            move_to_impact(world, h, a)
+            move_to_impact(world, h, b)
         for hit in range(rows(world, IMPACT)):
             meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
         find_impulses(world, _MANY_SWEEPS if together else _SWEEPS)
         for hit in range(rows(world, IMPACT)):
             a, b = bodies_of(world, hit)
-            leave_impact(h, world, a)
-            leave_impact(h, world, b)
+            leave_impact(world, h, a)
+            leave_impact(world, h, b)
             note_hit(world, a, n)
             note_hit(world, b, n)
             own, was_hit = constraint(world, int(impact[hit, ROW])), normal_impulse(impact[hit]) > 0.0
@@ -175,7 +175,7 @@ def bounce(t: float, h: float, world: int) -> None:
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
     else:
-        fastest = _find_round(_ROUNDS, h, world)
+        fastest = _find_round(world, _ROUNDS, h)
     if fastest > max(_ROUGH * first, near / h):
         warn_of_impacts(world, body, t)
 
@@ -199,7 +199,7 @@ def _is_linked(world: int, row: int) -> bool:
 
 
 @compiled
-def slowest_bounce(h: float, world: int, row: int) -> float:
+def slowest_bounce(world: int, h: float, row: int) -> float:
     """Return the speed of approach above which the shapes of a contact bounce, m/s."""
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
@@ -225,7 +225,7 @@ def _pressing_acceleration(world: int, row: int) -> float:
 
 
 @compiled
-def _find_round(n: int, h: float, world: int) -> float:
+def _find_round(world: int, n: int, h: float) -> float:
     """Find the hits of a round, the first on both of their bodies; return the speed of the fastest, m/s, or 0.0 without any.
 
     Contacts that did not hit are examined again only where the last round, n - 1, has hit one of their bodies.
@@ -241,7 +241,7 @@ def _find_round(n: int, h: float, world: int) -> float:
         if constraint(world, row)[c.REFERENCE * c.WIDTH] == c.MISSED:
             continue
         bouncing[k, HITS_NOT] = 1
-        if _find_times(h, world, row, impact[found]):
+        if _find_times(world, h, row, impact[found]):
             bouncing[k, HITS_NOT] = 0
             fastest = max(fastest, impact[found, SPEED])
             impact[found, ROW] = row
@@ -275,20 +275,20 @@ def _find_round(n: int, h: float, world: int) -> float:
 
 
 @compiled
-def _find_times(h: float, world: int, row: int, hit: Any) -> bool:
+def _find_times(world: int, h: float, row: int, hit: Any) -> bool:
     """Write times and speed of impact of the points of a contact into `hit`; return whether any hits within the substep."""
     contact, kicked = integers(world, CONTACT), floats(world, KICKED)
-    slowest, own = slowest_bounce(h, world, row), constraint(world, row)
+    slowest, own = slowest_bounce(world, h, row), constraint(world, row)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
     hit[TIME] = math.inf
-    if rests(h, world, row, own, slowest):
+    if rests(world, h, row, own, slowest):
         return False
-    flight_a, flight_b = flown(h, world, a, since), flown(h, world, b, since)
+    flight_a, flight_b = flown(world, h, a, since), flown(world, h, b, since)
     for k in range(4):
         hit[TIMES + k] = math.inf
     for k in range(contact[row, c.POINTS]):
-        when, speed, free = find_time(h, world, row, own, k, since, slowest, flight_a, flight_b)
+        when, speed, free = find_time(world, h, row, own, k, since, slowest, flight_a, flight_b)
         hit[TIMES + k] = when
         if speed > 0.0 and when < hit[TIME]:
             hit[TIME], hit[SPEED] = when, speed

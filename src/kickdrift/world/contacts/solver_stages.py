@@ -74,17 +74,17 @@ def _sweep(t: float, h: float, world: int) -> None:
         first, last = colours[k, c.FIRST_GROUP], colours[k, c.AFTER_GROUP]
         if last - first < _FEWEST:
             for g in range(first, last):
-                group(h, world, g)
+                group(world, h, g)
         else:
             for g in prange(first, last):
-                group(h, world, g)
+                group(world, h, g)
     for k in range(OVERFLOW, LAST + 1):
         for g in range(colours[k, c.FIRST_GROUP], colours[k, c.AFTER_GROUP]):
-            group(h, world, g)
+            group(world, h, g)
 
 
 @compiled
-def _warm_start_group(h: float, world: int, g: int) -> None:
+def _warm_start_group(world: int, h: float, g: int) -> None:
     """Apply the accumulated impulses of a group."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, kernels = (
@@ -116,7 +116,7 @@ def _is_linked(world: int, g: int) -> bool:
 
 
 @compiled
-def _solve_group(h: float, world: int, g: int) -> None:
+def _solve_group(world: int, h: float, g: int) -> None:
     """Do the soft sweep over the normals of a group."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, kernels = (
@@ -135,7 +135,7 @@ def _solve_group(h: float, world: int, g: int) -> None:
 
 
 @compiled
-def _relax_group(h: float, world: int, g: int) -> None:
+def _relax_group(world: int, h: float, g: int) -> None:
     """Recompute stale arms of a group, and do the rigid sweep over its friction and normals."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     lanes, scratch, kernels = (
@@ -149,7 +149,7 @@ def _relax_group(h: float, world: int, g: int) -> None:
     _gather(world, g, delta_pose, DELTA_POSE_A, scratch)
     _gather_inertia(world, g, inverse_mass, scratch)
     own = lanes[g * _SIZE : (g + 1) * _SIZE]
-    _refresh_stale(h, world, g, own, scratch, n)
+    _refresh_stale(world, h, g, own, scratch, n)
     if _is_linked(world, g):  # the direct solver finds its impulses
         return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
@@ -159,7 +159,7 @@ def _relax_group(h: float, world: int, g: int) -> None:
 
 
 @compiled
-def _refresh_stale(h: float, world: int, g: int, own: Any, scratch: Any, n: int) -> None:
+def _refresh_stale(world: int, h: float, g: int, own: Any, scratch: Any, n: int) -> None:
     """Recompute the arms of lanes whose bodies have turned or slid past each other."""
     kernels = integers(world, KERNEL_ADDRESSES)
     run_kernel(kernels[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))

@@ -40,7 +40,7 @@ from kickdrift.world.tables import (
 )
 
 _WHOLE, _FLOAT, _TRUTH = types.int64, types.float64, types.boolean
-SOLVE_ISLAND = types.boolean(_WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH, _TRUTH, types.intp)
+SOLVE_ISLAND = types.boolean(types.intp, _WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH, _TRUTH)
 
 call = caller(SOLVE_ISLAND)
 
@@ -68,28 +68,28 @@ _NOTICED_PART = 1e-3
 
 
 @compiled(cached=False)
-def aim_island(island: int, h: float, mode: int, world: int) -> float:
+def aim_island(world: int, island: int, h: float, mode: int) -> float:
     """Set the right-hand sides of the joints of an island, and return the largest of their errors, NaN if one is NaN."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     worst = 0.0
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
-        off = write_right_hand_side(links[link, LINK_JOINT], link, h, mode, world)
+        off = write_right_hand_side(world, links[link, LINK_JOINT], link, h, mode)
         worst = worst if off <= worst else off  # keeps NaN
     return worst
 
 
 @compiled(inline=True)
-def solve(island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool, world: int) -> bool:
+def solve(world: int, island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool) -> bool:
     """Call `solve_island` by its address."""
     found: bool = call(
-        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (island, h, ahead, task, afresh, touched, world)
+        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (world, island, h, ahead, task, afresh, touched)
     )
     return found
 
 
 @compiled
-def solve_island(island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool, world: int) -> bool:
+def solve_island(world: int, island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool) -> bool:
     """Solve the equations of an island until all assumed pieces of laws fit, and apply the impulses.
 
     Stages call it by its address, so that it is compiled once for all of them.
@@ -100,7 +100,7 @@ def solve_island(island: int, h: float, ahead: float, task: int, afresh: bool, t
 
     Parameters
     ----------
-    island : int
+    world, island : int
     h, ahead : float
         Substep, and the time for which the new velocities act: h, or 0 for a projection, s. -1 for changes of position in a
         projection by one solution, which are not applied.
@@ -110,7 +110,6 @@ def solve_island(island: int, h: float, ahead: float, task: int, afresh: bool, t
         Whether the pieces of the laws of contacts are assumed afresh; those of joints always are.
     touched : bool
         Whether contacts take part; otherwise their impulses do not change.
-    world : int
 
     Returns
     -------
@@ -118,113 +117,113 @@ def solve_island(island: int, h: float, ahead: float, task: int, afresh: bool, t
         Whether the laws are satisfied.
     """
     if ahead < 0.0:
-        solve_assumed(island, ahead, touched, world)
+        solve_assumed(world, island, ahead, touched)
         return True
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
     for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else HEAP_TRIALS if heap else TRIALS):
         settled = (
-            review(island, h, task, trial == 0, afresh, trial > BOUNDED, touched, whole, world) and whole and trial > 0
+            review(world, island, h, task, trial == 0, afresh, trial > BOUNDED, touched, whole) and whole and trial > 0
         )
         if settled:
-            found = left == 0 or refine(island, task, touched, world) < REFINED
+            found = left == 0 or refine(world, island, task, touched) < REFINED
             left = left if found else left - 1
-            found = (not touched or bounds_hold(island, task, world)) and found
+            found = (not touched or bounds_hold(world, island, task)) and found
             if found:
                 break
-            settled = review(island, h, task, False, False, True, touched, True, world)
+            settled = review(world, island, h, task, False, False, True, touched, True)
         if not settled:
-            factor_island(island, ahead, touched, world)
-        predict(island, touched, world)
-        whole = search_line(island, h, task, trial == 0, touched, world)
+            factor_island(world, island, ahead, touched)
+        predict(world, island, touched)
+        whole = search_line(world, island, h, task, trial == 0, touched)
     if not found:
         if touched:
-            fix_contacts(island, world)
-        solve_assumed(island, ahead, touched, world)
-    give_joints(island, task, world)
+            fix_contacts(world, island)
+        solve_assumed(world, island, ahead, touched)
+    give_joints(world, island, task)
     if touched:
-        give_contacts(island, task, world)
+        give_contacts(world, island, task)
     return found
 
 
 @compiled(cached=False)
-def solve_assumed(island: int, ahead: float, touched: bool, world: int) -> None:
+def solve_assumed(world: int, island: int, ahead: float, touched: bool) -> None:
     """Solve the equations once, with the assumed pieces of laws."""
-    factor_island(island, ahead, touched, world)
-    predict(island, touched, world)
+    factor_island(world, island, ahead, touched)
+    predict(world, island, touched)
 
 
 @compiled(cached=False)
-def factor_island(island: int, ahead: float, touched: bool, world: int) -> None:
+def factor_island(world: int, island: int, ahead: float, touched: bool) -> None:
     """Assemble and factor the matrix of an island, with the assumed pieces of laws."""
-    assemble(island, ahead, world)
+    assemble(world, island, ahead)
     if touched:
-        add_contacts(island, world)
-    factor(integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE], world)
+        add_contacts(world, island)
+    factor(world, integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE])
 
 
 @compiled(cached=False)
-def refine(island: int, task: int, touched: bool, world: int) -> float:
+def refine(world: int, island: int, task: int, touched: bool) -> float:
     """Begin the next solution with the impulses of the current one, and return the residual of its held rows, m/s.
 
     Tolerances of contacts and laws other than `REFINED` are expressed by scaling their residuals.
     """
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    joints, worst = integers(world, JOINT), refine_closings(island, world)
+    joints, worst = integers(world, JOINT), refine_closings(world, island)
     if touched:
         noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
         if own[HAS_JOINTS] != 0 and task < BOUNCE:
-            noticed = max(noticed, _NOTICED_PART * inner_speed(island, MOTION, world))
-        worst = max(worst, REFINED / noticed * refine_contacts(island, world))
+            noticed = max(noticed, _NOTICED_PART * inner_speed(world, island, MOTION))
+        worst = max(worst, REFINED / noticed * refine_contacts(world, island))
     if task >= BOUNCE:
         return worst
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
         if joints[links[link, LINK_JOINT], LAWS] != 0:
-            worst = max(worst, 1e-2 * refine_laws(links[link, LINK_JOINT], link, world))
+            worst = max(worst, 1e-2 * refine_laws(world, links[link, LINK_JOINT], link))
     return worst
 
 
 @compiled(cached=False)
-def predict(island: int, touched: bool, world: int) -> None:
+def predict(world: int, island: int, touched: bool) -> None:
     """Find changes of velocity and impulses of an island with the factored matrix."""
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
     work = floats(world, LINK_NUMBERS)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         for k in range(6):
             work[nodes[node, LINK_ROW], CLOSING_IMPULSE + k] = 0.0
-    load_closings(island, world)
+    load_closings(world, island)
     if touched:
-        load_contacts(island, world)
-    substitute(own[FIRST_NODE], own[AFTER_NODE], world)
-    predict_closings(island, world)
+        load_contacts(world, island)
+    substitute(world, own[FIRST_NODE], own[AFTER_NODE])
+    predict_closings(world, island)
     if touched:
-        predict_contacts(island, world)
+        predict_contacts(world, island)
 
 
 @compiled(cached=False)
-def assemble(island: int, ahead: float, world: int) -> None:
+def assemble(world: int, island: int, ahead: float) -> None:
     """Write the matrix of bodies and closing joints, for velocities that act for a time `ahead`."""
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
-    clear_blocks(own[FIRST_NODE], own[AFTER_NODE], world)
+    clear_blocks(world, own[FIRST_NODE], own[AFTER_NODE])
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        put_inertia(nodes[node, LINK_ROW], ahead, world)
-    add_closings(island, world)
+        put_inertia(world, nodes[node, LINK_ROW], ahead)
+    add_closings(world, island)
 
 
 @compiled(cached=False)
 def review(
-    island: int, h: float, task: int, first: bool, afresh: bool, bounded: bool, touched: bool, whole: bool, world: int
+    world: int, island: int, h: float, task: int, first: bool, afresh: bool, bounded: bool, touched: bool, whole: bool
 ) -> bool:
     """Assume the pieces of laws that the current solution implies, and return whether it was found with them."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, settled = integers(world, JOINT), True
     if touched:
-        settled = update_contact_states(island, task, first and afresh, whole, world)
+        settled = update_contact_states(world, island, task, first and afresh, whole)
     if task >= BOUNCE:
         return settled  # laws of joints are forces, which do nothing in an instant
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = update_law_states(joint, order[place, 0], h, task != PRESS, first, bounded, world) and settled
+            settled = update_law_states(world, joint, order[place, 0], h, task != PRESS, first, bounded) and settled
     return settled

@@ -29,17 +29,17 @@ from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, NODE, f
 
 
 @compiled(cached=False, fast=True)
-def add_contacts(island: int, world: int) -> None:
+def add_contacts(world: int, island: int) -> None:
     """Add the rows of contacts to the matrix of an island."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     wrench = twelve()
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
+        numbers = contact_row(world, order[k, 0])
         a, b = int(numbers[NODES]), int(numbers[NODES + 1])
         for i in range(TANGENT):
             if numbers[ACTIVE + i] != 0.0 and numbers[STATE + i] == HELD:
                 row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
-                add_row(a, b, numbers[STIFFNESS + i], row, row, world)
+                add_row(world, a, b, numbers[STIFFNESS + i], row, row)
         for bound in range(3):
             begin = first_row(bound)
             held = numbers[STATE + begin] == HELD
@@ -57,23 +57,23 @@ def add_contacts(island: int, world: int) -> None:
                         for at in range(0, 12, 6):
                             other = spatial_of(numbers, WRENCH + 12 * j + at)
                             put_spatial_of(wrench, at, plus_scaled(spatial_of(wrench, at), -share, other))
-                add_row(a, b, stiffness, row, wrench, world)
+                add_row(world, a, b, stiffness, row, wrench)
 
 
 @compiled(cached=False, fast=True)
-def load_contacts(island: int, world: int) -> None:
+def load_contacts(world: int, island: int) -> None:
     """Add to the loads on the nodes of an island the impulses of its contacts at no change of speed (CONSTANT)."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
+        numbers = contact_row(world, order[k, 0])
         a, b = int(numbers[NODES]), int(numbers[NODES + 1])
         for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] != 0.0:
-                _load(a, b, numbers[CONSTANT + i], numbers, WRENCH + 12 * i, world)
+                _load(world, a, b, numbers[CONSTANT + i], numbers, WRENCH + 12 * i)
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _load(a: int, b: int, impulse: float, numbers: Any, wrench: int, world: int) -> None:
+def _load(world: int, a: int, b: int, impulse: float, numbers: Any, wrench: int) -> None:
     """Apply an impulse along a row to the nodes of a contact."""
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
     for side in range(2):

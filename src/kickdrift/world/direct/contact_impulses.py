@@ -33,11 +33,11 @@ from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION,
 
 
 @compiled(cached=False, fast=True)
-def refine_contacts(island: int, world: int) -> float:
+def refine_contacts(world: int, island: int) -> float:
     """Begin the next solution with the impulses of the current one; return the largest residual speed of held rows, m/s."""
     own, order, worst = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
+        numbers = contact_row(world, order[k, 0])
         if numbers[CUT] != 0.0:
             continue
         for i in range(CONTACT_ROWS):
@@ -50,12 +50,12 @@ def refine_contacts(island: int, world: int) -> float:
 
 
 @compiled(cached=False, fast=True)
-def predict_contacts(island: int, world: int) -> None:
+def predict_contacts(world: int, island: int) -> None:
     """Find the changes of speed and the impulses along the rows of contacts, for the current solution."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     nodes, work = integers(world, NODE), floats(world, LINK_NUMBERS)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
+        numbers = contact_row(world, order[k, 0])
         for i in range(CONTACT_ROWS):
             if numbers[ACTIVE + i] == 0.0:
                 continue
@@ -72,13 +72,13 @@ def predict_contacts(island: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def give_contacts(island: int, task: int, world: int) -> None:
+def give_contacts(world: int, island: int, task: int) -> None:
     """Apply the impulses of contacts to the bodies, within their bounds."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     given = twelve()
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        index, bodies = order[k, 0], bodies_of(order[k, 0], world)
-        numbers, own_fields = contact_row(index, world), constraint(index, world)
+        index, bodies = order[k, 0], bodies_of(world, order[k, 0])
+        numbers, own_fields = contact_row(world, index), constraint(world, index)
         for m in range(12):
             given[m] = 0.0
         if task in (PRESS, BOUNCE):
@@ -98,31 +98,31 @@ def give_contacts(island: int, task: int, world: int) -> None:
             if numbers[NODES + side] >= 0.0 or numbers[CUT] == 1.0 + side:
                 body, at = bodies[1] if side == 1 else bodies[0], 6 * side
                 push = (given[at], given[at + 1], given[at + 2])
-                push_body(body, push, (given[at + 3], given[at + 4], given[at + 5]), world)
+                push_body(world, body, push, (given[at + 3], given[at + 4], given[at + 5]))
 
 
 @compiled(cached=False, fast=True)
-def forget_contacts(island: int, world: int) -> None:
+def forget_contacts(world: int, island: int) -> None:
     """Undo the impulses with which contacts were warm started."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
+        numbers, fields = contact_row(world, order[k, 0]), constraint(world, order[k, 0])
         for i in range(CONTACT_ROWS):
             numbers[ACTIVE + i], numbers[IMPULSE + i] = 1.0, fields[impulse_field(i) * c.WIDTH]
             numbers[GIVEN + i] = -numbers[IMPULSE + i]
             write_wrench(fields, i, numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12])
-    give_contacts(island, REST, world)
+    give_contacts(world, island, REST)
 
 
 @compiled(cached=False, fast=True)
-def left_of_contacts(island: int, world: int) -> float:
+def left_of_contacts(world: int, island: int) -> float:
     """Return the largest normal speed of points that carry an impulse, m/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     velocity, most = twelve(), 0.0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
-        a, b = bodies_of(order[k, 0], world)
-        read_both(MOTION, a, b, velocity, world)
+        numbers, fields = contact_row(world, order[k, 0]), constraint(world, order[k, 0])
+        a, b = bodies_of(world, order[k, 0])
+        read_both(world, MOTION, a, b, velocity)
         for i in range(TANGENT):
             if numbers[ACTIVE + i] != 0.0 and fields[impulse_field(i) * c.WIDTH] > 0.0:
                 most = max(most, abs(along(numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], velocity)))

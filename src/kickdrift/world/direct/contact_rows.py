@@ -89,7 +89,7 @@ def weigh(own: Any, rows: Any, fallen: float, most: float) -> None:
 
 
 @compiled(cached=False, fast=True)
-def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, rigid: float, world: int) -> None:
+def begin_row(world: int, own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, rigid: float) -> None:
     """Write wrench, speed and stiffness of a row, which is active if impulses along it move anything.
 
     The stiffness is that of the effective mass, or of the mass borne if that is larger. If the bodies are of two islands, the
@@ -97,7 +97,7 @@ def begin_row(own: Any, rows: Any, k: int, velocity: Any, a: int, b: int, rigid:
     """
     wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
     write_wrench(own, k, wrench)
-    of_a, of_b = mobility(wrench, a, 0, world), mobility(wrench, b, 1, world)
+    of_a, of_b = mobility(world, wrench, a, 0), mobility(world, wrench, b, 1)
     yielding, other = of_a + of_b, of_a if rows[CUT] == 1.0 else of_b if rows[CUT] == 2.0 else 0.0
     rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
     rows[ROW_MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0

@@ -64,7 +64,7 @@ BOUNCE_FRICTION = 3  # friction of a bounce, which acts on the part of the motio
 
 
 @compiled(cached=False, fast=True)
-def read_both(table: Table, a: int, b: int, numbers: Any, world: int) -> None:
+def read_both(world: int, table: Table, a: int, b: int, numbers: Any) -> None:
     """Read the first six numbers of both bodies of a contact."""
     columns = floats(world, table)
     for k in range(6):
@@ -78,37 +78,37 @@ def twelve() -> Any:
 
 
 @compiled(cached=False, fast=True)
-def begin_contacts(island: int, h: float, task: int, world: int) -> None:
+def begin_contacts(world: int, island: int, h: float, task: int) -> None:
     """Set the right-hand sides of all contacts of an island from the present velocities."""
     own = integers(world, ISLAND)[island]
     order = integers(world, ISLAND_CONTACT)
-    fallen, mass = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)), mass_of(island, world)
+    fallen, mass = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)), mass_of(world, island)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        weigh(constraint(order[k, 0], world), contact_row(order[k, 0], world), fallen if task < BOUNCE else 0.0, mass)
-        _begin_contact(order[k, 0], island, h, task, world)
+        weigh(constraint(world, order[k, 0]), contact_row(world, order[k, 0]), fallen if task < BOUNCE else 0.0, mass)
+        _begin_contact(world, order[k, 0], island, h, task)
 
 
 @compiled(cached=False, fast=True)
-def _begin_contact(index: int, island: int, h: float, task: int, world: int) -> None:
-    own, numbers = constraint(index, world), contact_row(index, world)
-    a, b = bodies_of(index, world)
+def _begin_contact(world: int, index: int, island: int, h: float, task: int) -> None:
+    own, numbers = constraint(world, index), contact_row(world, index)
+    a, b = bodies_of(world, index)
     velocity, change = twelve(), twelve()
-    read_both(MOTION, a, b, velocity, world)
-    read_both(DELTA_POSE, a, b, change, world)
+    read_both(world, MOTION, a, b, velocity)
+    read_both(world, DELTA_POSE, a, b, change)
     numbers[CUT] = 0.0
     for side in range(2):
         body = b if side == 1 else a
-        numbers[NODES + side] = place_in(island, body, world)
-        if is_across(island, body, world):
+        numbers[NODES + side] = place_in(world, island, body)
+        if is_across(world, island, body):
             numbers[CUT] = 1.0 + side
-    presses, lever, returned = _begin_points(own, numbers, velocity, change, a, b, h, task, world)
-    _begin_friction(own, numbers, velocity, a, b, task, presses, lever, returned, world)
+    presses, lever, returned = _begin_points(world, own, numbers, velocity, change, a, b, h, task)
+    _begin_friction(world, own, numbers, velocity, a, b, task, presses, lever, returned)
     find_bounds(own, numbers)
 
 
 @compiled(cached=False, fast=True)
 def _begin_points(
-    own: Any, numbers: Any, velocity: Any, change: Any, a: int, b: int, h: float, task: int, world: int
+    world: int, own: Any, numbers: Any, velocity: Any, change: Any, a: int, b: int, h: float, task: int
 ) -> tuple[bool, float, float]:
     """Set the target speeds of the points; return whether any is active, and their largest distance from the centre, m.
 
@@ -122,7 +122,7 @@ def _begin_points(
             numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
         speed, given = numbers[SPEED + k], numbers[GIVEN + k]
-        begin_row(own, numbers, k, velocity, a, b, rigid, world)
+        begin_row(world, own, numbers, k, velocity, a, b, rigid)
         gap = own[at + c.GAP * c.WIDTH] + along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
         if task == PRESS:
             numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.BIAS_RATE * c.WIDTH] * gap, push)
@@ -142,6 +142,7 @@ def _begin_points(
 
 @compiled(cached=False, fast=True)
 def _begin_friction(
+    world: int,
     own: Any,
     numbers: Any,
     velocity: Any,
@@ -151,7 +152,6 @@ def _begin_friction(
     presses: bool,
     lever: float,
     returned: float,
-    world: int,
 ) -> None:
     """Set the right-hand sides of friction, torsion and rolling resistance, if they can act."""
     grip = RIGID_BOUNCE if task >= BOUNCE else GRIP
@@ -161,12 +161,12 @@ def _begin_friction(
         if task in (PRESS, BOUNCE) or _is_idle(own, bound, reach if presses else 0.0):
             for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
                 if task == BOUNCE:
-                    begin_row(own, numbers, k, velocity, a, b, grip, world)
+                    begin_row(world, own, numbers, k, velocity, a, b, grip)
                 numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
             continue
         for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
             speed = numbers[SPEED + k]
-            begin_row(own, numbers, k, velocity, a, b, grip, world)
+            begin_row(world, own, numbers, k, velocity, a, b, grip)
             numbers[DIRECTION + k] = 0.0
             if bound == 0:
                 numbers[WANTED + k] = own[(c.SURFACE_SPEED + k - TANGENT) * c.WIDTH]
@@ -185,21 +185,21 @@ def _is_idle(own: Any, bound: int, reach: float) -> bool:
 
 
 @compiled(cached=False, fast=True)
-def is_cut(island: int, world: int) -> bool:
+def is_cut(world: int, island: int) -> bool:
     """Whether an island touches another one that is solved directly."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     cut = False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        cut = cut or contact_row(order[k, 0], world)[CUT] != 0.0
+        cut = cut or contact_row(world, order[k, 0])[CUT] != 0.0
     return cut
 
 
 @compiled(cached=False, fast=True)
-def note_impulses(island: int, back: bool, world: int) -> None:
+def note_impulses(world: int, island: int, back: bool) -> None:
     """Store the impulses with which the substep begins, or, with `back`, restore them."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers, fields = contact_row(order[k, 0], world), constraint(order[k, 0], world)
+        numbers, fields = contact_row(world, order[k, 0]), constraint(world, order[k, 0])
         for i in range(CONTACT_ROWS):
             if back:
                 fields[impulse_field(i) * c.WIDTH] = numbers[START + i]
@@ -208,11 +208,11 @@ def note_impulses(island: int, back: bool, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def update_contact_states(island: int, task: int, first: bool, whole: bool, world: int) -> bool:
+def update_contact_states(world: int, island: int, task: int, first: bool, whole: bool) -> bool:
     """Assume the pieces of the laws of contacts that the current solution implies; return whether it was found with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
+        numbers = contact_row(world, order[k, 0])
         settled = update_point_states(numbers, first, whole) and settled
         for bound in range(0 if task in (REST, BOUNCE_FRICTION) else 3, 3):
             if numbers[ACTIVE + first_row(bound)] != 0.0:
@@ -221,23 +221,23 @@ def update_contact_states(island: int, task: int, first: bool, whole: bool, worl
 
 
 @compiled(cached=False, fast=True)
-def bounds_hold(island: int, task: int, world: int) -> bool:
+def bounds_hold(world: int, island: int, task: int) -> bool:
     """Bound friction by the normal impulses of the solution; return whether it was found with these bounds."""
     own, order, hold = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     if task not in (REST, BOUNCE_FRICTION):
         return True
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        numbers = contact_row(order[k, 0], world)
+        numbers = contact_row(world, order[k, 0])
         before = numbers[BOUND]
-        find_bounds(constraint(order[k, 0], world), numbers)
+        find_bounds(constraint(world, order[k, 0]), numbers)
         unnoticed = max(_NEAR * before, SLIPPED * numbers[ROW_MASS + TANGENT])
         hold = hold and abs(numbers[BOUND] - before) <= unnoticed
     return hold
 
 
 @compiled(cached=False, fast=True)
-def fix_contacts(island: int, world: int) -> None:
+def fix_contacts(world: int, island: int) -> None:
     """Fix the impulses of the contacts of an island to those of the accepted solution, within their bounds."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fix(constraint(order[k, 0], world), contact_row(order[k, 0], world))
+        fix(constraint(world, order[k, 0]), contact_row(world, order[k, 0]))

@@ -66,20 +66,20 @@ _WEIGHT = 0.125
 
 
 @compiled(cached=False)
-def drift_of_energy(island: int, t: float, h: float, world: int) -> float:
+def drift_of_energy(world: int, island: int, t: float, h: float) -> float:
     """Return the fraction of its energy that an island without contacts has lost since it was last acted upon.
 
     Negative for a gain. The data for this are kept with the first joint of the island.
     """
-    numbers, keeper = floats(world, JOINT_NUMBERS), _keeper(island, world)
-    if not _is_conservative(island, world):
-        forget_drift(island, world)
+    numbers, keeper = floats(world, JOINT_NUMBERS), _keeper(world, island)
+    if not _is_conservative(world, island):
+        forget_drift(world, island)
         return 0.0
     half = 0.5 * h / floats(world, SETTINGS)[0, SUBSTEPS]
-    kinetic, total, lag = _energies(island, half, STARTED_MOTION, STARTED_POSE, world)
+    kinetic, total, lag = _energies(world, island, half, STARTED_MOTION, STARTED_POSE)
     began = abs(total - numbers[keeper, ENERGY_LEFT]) > _SAME * max(kinetic, numbers[keeper, MOST_KINETIC])
     numbers[keeper, LAG_AT_FIRST] += lag - numbers[keeper, LAG_LEFT]  # zero unless the length of substeps has changed
-    kinetic, total, lag = _energies(island, half, MOTION, POSE, world)
+    kinetic, total, lag = _energies(world, island, half, MOTION, POSE)
     if began or numbers[keeper, MOST_KINETIC] == 0.0:
         numbers[keeper, ENERGY_AT_FIRST], numbers[keeper, LAG_AT_FIRST] = total, lag
         numbers[keeper, MOST_KINETIC], numbers[keeper, MEAN_LOSS], numbers[keeper, JUDGED_SINCE] = 0.0, 0.0, t
@@ -90,25 +90,25 @@ def drift_of_energy(island: int, t: float, h: float, world: int) -> float:
     loss = max(min(lost, shifted), min(max(lost, shifted), 0.0))
     numbers[keeper, MEAN_LOSS] += _WEIGHT * (loss - numbers[keeper, MEAN_LOSS])
     gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
-    slow = 0.5 * mass_of(island, world) * (_SLOW * h) ** 2 * dot(gravity, gravity)
+    slow = 0.5 * mass_of(world, island) * (_SLOW * h) ** 2 * dot(gravity, gravity)
     return numbers[keeper, MEAN_LOSS] / numbers[keeper, MOST_KINETIC] if numbers[keeper, MOST_KINETIC] > slow else 0.0
 
 
 @compiled(cached=False)
-def forget_drift(island: int, world: int) -> None:
+def forget_drift(world: int, island: int) -> None:
     """Begin anew after this step."""
-    floats(world, JOINT_NUMBERS)[_keeper(island, world), MOST_KINETIC] = 0.0
+    floats(world, JOINT_NUMBERS)[_keeper(world, island), MOST_KINETIC] = 0.0
 
 
 @compiled(cached=False)
-def judged_since(island: int, world: int) -> float:
+def judged_since(world: int, island: int) -> float:
     """Return the time from which on the energy of an island has been compared, s."""
-    since: float = floats(world, JOINT_NUMBERS)[_keeper(island, world), JUDGED_SINCE]
+    since: float = floats(world, JOINT_NUMBERS)[_keeper(world, island), JUDGED_SINCE]
     return since
 
 
 @compiled(cached=False)
-def _keeper(island: int, world: int) -> int:
+def _keeper(world: int, island: int) -> int:
     """Return the joint with which an island keeps its energy."""
     order, links = integers(world, ISLAND_JOINT), integers(world, LINK)
     joint: int = links[order[integers(world, ISLAND)[island, FIRST_JOINT], 0], LINK_JOINT]
@@ -116,7 +116,7 @@ def _keeper(island: int, world: int) -> int:
 
 
 @compiled(cached=False)
-def _is_conservative(island: int, world: int) -> bool:
+def _is_conservative(world: int, island: int) -> bool:
     """Whether nothing but gravity and joints has acted on an island without contacts in the step."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     inertia, force = floats(world, INERTIA), floats(world, FORCE)
@@ -124,7 +124,7 @@ def _is_conservative(island: int, world: int) -> bool:
     if rows(world, CLOTH) > 0:
         return False
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(node, world)
+        body = body_of(world, node)
         push = 0.0
         for k in range(6):
             push += abs(force[body, k])
@@ -142,15 +142,15 @@ def _is_conservative(island: int, world: int) -> bool:
 
 
 @compiled(cached=False)
-def _energies(island: int, half: float, velocities: Table, poses: Table, world: int) -> tuple[float, float, float]:
+def _energies(world: int, island: int, half: float, velocities: Table, poses: Table) -> tuple[float, float, float]:
     """Return the kinetic energy of an island, its total energy, and the energy by which it lags half a kick, J."""
     own, gravity = integers(world, ISLAND)[island], vector_at(floats(world, SETTINGS), 0, GRAVITY)
     speeds, places, kicked = floats(world, velocities), floats(world, poses), floats(world, KICKED)
     kinetic, potential, lag = 0.0, 0.0, 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(node, world)
+        body = body_of(world, node)
         mass = floats(world, INERTIA)[body, MASS]
-        kinetic += energy_of(body, velocities, poses, world)
+        kinetic += energy_of(world, body, velocities, poses)
         potential -= mass * dot(gravity, vector_at(places, body, LINEAR_PART))
         if kicked[body, KICK] != HALF_KICK:
             lag += half * mass * dot(gravity, vector_at(speeds, body, LINEAR_PART))

@@ -26,38 +26,38 @@ _STILL = 1e-12
 
 
 @compiled(cached=False)
-def allowance(island: int, h: float, world: int) -> float:
+def allowance(world: int, island: int, h: float) -> float:
     """Return the ratio to which the energy of an island may increase before the drift.
 
     Turning by an angle a in the substep adds the fraction a^2 / 2. With a margin of a tenth: distant, spurious solutions have
     more, that of a grid of 4 x 4 balls by a sixth.
     """
-    turn = h * fastest(island, NOTED, ANGULAR_PART, world)
+    turn = h * fastest(world, island, NOTED, ANGULAR_PART)
     return 1.1 + 0.6 * min(turn, 1.5) ** 2
 
 
 @compiled(cached=False)
-def gained(island: int, h: float, world: int) -> float:
+def gained(world: int, island: int, h: float) -> float:
     """Return the energy that an island has gained since the kick, beyond a tolerance and what was given from outside, J.
 
     Zero or less if none, and then what was given is not subtracted. Zero without contacts and without large rotations in a
     substep: such islands are not checked.
     """
     own = integers(world, ISLAND)[island]
-    far = h * fastest(island, MOTION, ANGULAR_PART, world) > LONG_TURN
+    far = h * fastest(world, island, MOTION, ANGULAR_PART) > LONG_TURN
     if own[FIRST_CONTACT] == own[AFTER_CONTACT] and not far:
         return 0.0
-    more = kinetic_energy(island, MOTION, world) - KEPT * kinetic_energy(island, KICKED, world)
+    more = kinetic_energy(world, island, MOTION) - KEPT * kinetic_energy(world, island, KICKED)
     if more <= 0.0:
         return more
     if own[HAS_JOINTS] != 0:
-        return more - energy_from_outside(island, world)
-    speed = driving_speed(island, world)
-    return more - mass_of(island, world) * (speed * speed + _STILL)
+        return more - energy_from_outside(world, island)
+    speed = driving_speed(world, island)
+    return more - mass_of(world, island) * (speed * speed + _STILL)
 
 
 @compiled(cached=False)
-def has_more(island: int, energy: float, world: int) -> bool:
+def has_more(world: int, island: int, energy: float) -> bool:
     """Whether an island has more than an energy and that which it has received from other islands, J."""
-    more: bool = kinetic_energy(island, MOTION, world) > energy + NO_MORE * energy_received(island, NOTED, world)
+    more: bool = kinetic_energy(world, island, MOTION) > energy + NO_MORE * energy_received(world, island, NOTED)
     return more

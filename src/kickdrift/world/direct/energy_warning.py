@@ -105,31 +105,31 @@ def note_losses(t: float, h: float, world: int) -> None:
         if islands[island, FIRST_JOINT] == islands[island, AFTER_JOINT]:
             continue
         if islands[island, TOUCHES] != 0:
-            forget_drift(island, world)
+            forget_drift(world, island)
             continue
-        body, rate = _fastest(island, world)
+        body, rate = _fastest(world, island)
         far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
         judged = JUDGED_TURN_OF_LOOPS if islands[island, AFTER_JOINT] > islands[island, FIRST_CLOSING] else JUDGED_TURN
-        loss, since = drift_of_energy(island, t, h, world), judged_since(island, world)
+        loss, since = drift_of_energy(world, island, t, h), judged_since(world, island)
         found = abs(loss) > MOST and rate * h > RESTING_TURN
         if not found and (far or rate * substep > judged):
-            loss, since = _loss(island, h, world), t - h
-            found = abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(island, rate, world))
+            loss, since = _loss(world, island, h), t - h
+            found = abs(loss) > (MOST if far else LEAP) and (far or _began_as_joints_allow(world, island, rate))
         if found:
             settings[0, FAST_BODY], settings[0, FAST_TIME], settings[0, FAST_SINCE] = body, t, since
             settings[0, FAST_RATE], settings[0, FAST_LOSS] = rate, loss
-            settings[0, FAST_SUBSTEP] = substep / refinement(island, rate * substep, substep, world)
+            settings[0, FAST_SUBSTEP] = substep / refinement(world, island, rate * substep, substep)
             status[0, WARNING] |= TURNS_TOO_FAST
             return
 
 
 @compiled(cached=False)
-def _fastest(island: int, world: int) -> tuple[int, float]:
+def _fastest(world: int, island: int) -> tuple[int, float]:
     """Return the body of an island that turns the fastest before or after the step, and its rate, rad/s."""
     own = integers(world, ISLAND)[island]
     before, after, most, fastest = floats(world, STARTED_MOTION), floats(world, MOTION), -1.0, 0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(node, world)
+        body = body_of(world, node)
         old, new = vector_at(before, body, ANGULAR_PART), vector_at(after, body, ANGULAR_PART)
         square = max(dot(old, old), dot(new, new))
         if square > most:
@@ -138,7 +138,7 @@ def _fastest(island: int, world: int) -> tuple[int, float]:
 
 
 @compiled(cached=False)
-def _loss(island: int, h: float, world: int) -> float:
+def _loss(world: int, island: int, h: float) -> float:
     """Return the fraction of its energy that an island has lost in a step without a cause, negative for a gain.
 
     NaN if it cannot be determined.
@@ -146,15 +146,15 @@ def _loss(island: int, h: float, world: int) -> float:
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     inertia, start, end, least, most = floats(world, INERTIA), 0.0, 0.0, 0.0, 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(node, world)
-        energy = energy_of(body, STARTED_MOTION, STARTED_POSE, world)
+        body = body_of(world, node)
+        energy = energy_of(world, body, STARTED_MOTION, STARTED_POSE)
         start += energy
-        end += energy_of(body, MOTION, POSE, world)
-        work = _work(body, h, world)
+        end += energy_of(world, body, MOTION, POSE)
+        work = _work(world, body, h)
         least += work[0] - 2.0 * h * max(inertia[body, DAMPING], inertia[body, TURN_DAMPING]) * energy
         most += work[1]
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        work = _work_of_joint(links[order[place, 0], LINK_JOINT], world)
+        work = _work_of_joint(world, links[order[place, 0], LINK_JOINT])
         least, most = least + work[0], most + work[1]
     scale = max(max(start, end), max(max(abs(least), abs(most)), TINY))
     lost = (start + least - end) / scale
@@ -162,7 +162,7 @@ def _loss(island: int, h: float, world: int) -> float:
 
 
 @compiled(cached=False)
-def _began_as_joints_allow(island: int, rate: float, world: int) -> bool:
+def _began_as_joints_allow(world: int, island: int, rate: float) -> bool:
     """Whether the velocities before the step satisfied points and hinge axes of joints, up to `_ALLOWED` times a rate."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, numbers, worst = integers(world, JOINT), floats(world, JOINT_NUMBERS), 0.0
@@ -185,7 +185,7 @@ def _began_as_joints_allow(island: int, rate: float, world: int) -> bool:
 
 
 @compiled(cached=False)
-def _work(body: int, h: float, world: int) -> tuple[float, float]:
+def _work(world: int, body: int, h: float) -> tuple[float, float]:
     """Return bounds of the work of gravity and other forces on a body in the step, J.
 
     That of gravity is in between the one at the present velocities and the one at those half a kick later.
@@ -210,7 +210,7 @@ def _work(body: int, h: float, world: int) -> tuple[float, float]:
 
 
 @compiled(cached=False)
-def _work_of_joint(joint: int, world: int) -> tuple[float, float]:
+def _work_of_joint(world: int, joint: int) -> tuple[float, float]:
     """Return bounds of the work of motors, drives and friction of a hinge in the step, J, or NaN if there are none.
 
     There are none for limits, which stop their axis within the step, laws of other axes, and joints to kinematic bodies.

@@ -70,18 +70,18 @@ def arms(table: Any, row: int, column_a: int, column_b: int, sign: int) -> tuple
 
 
 @compiled(cached=False, fast=True)
-def factor(first: int, after: int, world: int) -> None:
+def factor(world: int, first: int, after: int) -> None:
     """Eliminate the nodes of an island in their order."""
     nodes, links = integers(world, NODE), integers(world, LINK)
     for node in range(first, after):
         if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
-            _eliminate_link(node, world)
+            _eliminate_link(world, node)
         else:
-            _eliminate_free(node, world)
+            _eliminate_free(world, node)
 
 
 @compiled(cached=False, fast=True)
-def _eliminate_link(node: int, world: int) -> None:
+def _eliminate_link(world: int, node: int) -> None:
     """Replace the velocity of a link by that of its parent and its open axes."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
     work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
@@ -99,32 +99,32 @@ def _eliminate_link(node: int, world: int) -> None:
     for k in range(6):
         work[link, YIELD + k] = 0.0
         if not links[link, HELD_AXES] >> k & 1:
-            _eliminate_axis(node, link, joint, k, begin, end, world)
+            _eliminate_axis(world, node, link, joint, k, begin, end)
     if parent < 0:
         return
     above = nodes[parent, LINK_ROW]
     inertia = move_velocities(block_at(work, link, ARTICULATED_INERTIA), other_ahead)
     add_block(work, above, ARTICULATED_INERTIA, move_impulses(inertia, other))
     for row in range(begin, end):
-        _hand_up(row, neighbours[row, 0], parent, other, other_ahead, world)
+        _hand_up(world, row, neighbours[row, 0], parent, other, other_ahead)
 
 
 @compiled(cached=False, fast=True)
-def _hand_up(row: int, neighbour: int, parent: int, other: Vector, other_ahead: Vector, world: int) -> None:
+def _hand_up(world: int, row: int, neighbour: int, parent: int, other: Vector, other_ahead: Vector) -> None:
     """Couple the parent of a link to a neighbour of the link."""
     blocks = floats(world, BLOCK)
     if neighbour == parent:
         table, target = floats(world, LINK_NUMBERS), integers(world, NODE)[parent, LINK_ROW]
         to, back = ARTICULATED_INERTIA, ARTICULATED_INERTIA
     else:
-        table, target = blocks, block_of(min(parent, neighbour), max(parent, neighbour), world)
+        table, target = blocks, block_of(world, min(parent, neighbour), max(parent, neighbour))
         to, back = (UPPER_BLOCK, LOWER_BLOCK) if parent < neighbour else (LOWER_BLOCK, UPPER_BLOCK)
     add_block(table, target, to, move_impulses(block_at(blocks, row, UPPER_BLOCK), other))
     add_block(table, target, back, move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead))
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _is_closed(node: int, world: int) -> bool:
+def _is_closed(world: int, node: int) -> bool:
     """Whether joints close loops in the island of a node."""
     own = integers(world, ISLAND)[integers(world, NODE)[node, NODE_ISLAND]]
     closed: bool = own[AFTER_JOINT] > own[FIRST_CLOSING]
@@ -132,7 +132,7 @@ def _is_closed(node: int, world: int) -> bool:
 
 
 @compiled(cached=False, fast=True)
-def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: int, world: int) -> None:
+def _eliminate_axis(world: int, node: int, link: int, joint: int, k: int, begin: int, end: int) -> None:
     """Eliminate an open axis of a joint from the inertia of the bodies attached to it, and from its coupling to neighbours."""
     work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
     axis, ahead = vector_at(numbers, joint, AXES + 3 * k), vector_at(work, link, AXES_AHEAD + 3 * k)
@@ -144,7 +144,7 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
         work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
     stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
     # Below zero where a loop passes a dead point: its impulses of the start then act against its velocities of the end.
-    give = 1.0 / stiff if stiff > 0.0 or (stiff < 0.0 and _is_closed(node, world)) else 0.0
+    give = 1.0 / stiff if stiff > 0.0 or (stiff < 0.0 and _is_closed(world, node)) else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
         add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * work[link, column + i], along)
@@ -162,7 +162,7 @@ def _eliminate_axis(node: int, link: int, joint: int, k: int, begin: int, end: i
             add_scaled(blocks, block, LOWER_BLOCK + 6 * i, -give * coupling, along)
     for one in range(begin, end):
         for two in range(begin, end):
-            _subtract(one, two, BLOCK_COUPLING + 6 * k, BLOCK_PASSING + 6 * k, give, 1, world)
+            _subtract(world, one, two, BLOCK_COUPLING + 6 * k, BLOCK_PASSING + 6 * k, give, 1)
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -178,7 +178,7 @@ def _subtract_product(
 
 
 @compiled(cached=False, fast=True)
-def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: int, world: int) -> None:
+def _subtract(world: int, one: int, two: int, left: int, right: int, factor_: float, inner: int) -> None:
     """Subtract from the block of two neighbours the product of the blocks that couple a node to both.
 
     The blocks are 6 x `inner` and `inner` x 6, from the columns `left` and `right` on.
@@ -189,12 +189,12 @@ def _subtract(one: int, two: int, left: int, right: int, factor_: float, inner: 
         work, link = floats(world, LINK_NUMBERS), nodes[a, LINK_ROW]
         _subtract_product(work, link, ARTICULATED_INERTIA, blocks, one, two, left, right, factor_, inner)
         return
-    target, to = block_of(min(a, b), max(a, b), world), UPPER_BLOCK if a < b else LOWER_BLOCK
+    target, to = block_of(world, min(a, b), max(a, b)), UPPER_BLOCK if a < b else LOWER_BLOCK
     _subtract_product(blocks, target, to, blocks, one, two, left, right, factor_, inner)
 
 
 @compiled(cached=False, fast=True)
-def _eliminate_free(node: int, world: int) -> None:
+def _eliminate_free(world: int, node: int) -> None:
     """Eliminate a node by blocks: its matrix is factored in place, without pivots, since it is all but symmetric."""
     nodes, work, blocks = integers(world, NODE), floats(world, LINK_NUMBERS), floats(world, BLOCK)
     link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
@@ -221,4 +221,4 @@ def _eliminate_free(node: int, world: int) -> None:
             put_spatial(blocks, block, UPPER_BLOCK + 6 * i, upper)
     for one in range(begin, end):
         for two in range(begin, end):
-            _subtract(one, two, LOWER_BLOCK, UPPER_BLOCK, 1.0, 6, world)
+            _subtract(world, one, two, LOWER_BLOCK, UPPER_BLOCK, 1.0, 6)

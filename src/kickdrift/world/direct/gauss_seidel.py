@@ -90,17 +90,17 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
             joint = links[link, LINK_JOINT]
             if joint < 0:
                 continue
-            write_right_hand_side(joint, at, h, GENTLY, world)
+            write_right_hand_side(world, joint, at, h, GENTLY)
             for k in range(6):
                 work[at, RIGHT_HAND_SIDE + k] = (1.0 - share) * (
                     work[at, RIGHT_HAND_SIDE + k] - rate * numbers[joint, MISALIGNMENT + k]
                 )
-            _solve(joint, at, h, False, world)
+            _solve(world, joint, at, h, False)
             for k in range(6):
                 if links[at, HELD_AXES] >> k & 1:
                     work[at, AXIS_IMPULSE + k] -= share * numbers[joint, JOINT_IMPULSE + k]
-            give_joint(joint, at, PRESS, world)
-            end_joint(joint, h, world)
+            give_joint(world, joint, at, PRESS)
+            end_joint(world, joint, h)
 
 
 @compiled
@@ -113,27 +113,27 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
         at = articulations[row, FIRST]
         for link in range(at, articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
-                write_right_hand_side(links[link, LINK_JOINT], at, h, RELAX, world)
-                _solve(links[link, LINK_JOINT], at, h, True, world)
-                give_joint(links[link, LINK_JOINT], at, REST, world)
+                write_right_hand_side(world, links[link, LINK_JOINT], at, h, RELAX)
+                _solve(world, links[link, LINK_JOINT], at, h, True)
+                give_joint(world, links[link, LINK_JOINT], at, REST)
         for link in range(at, articulations[row, END]):
             joint = links[link, LINK_JOINT]
             if joint >= 0:
-                turn_on(joint, joints[joint, BODY_B], h, world)
+                turn_on(world, joint, joints[joint, BODY_B], h)
 
 
 @compiled(cached=False)
-def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
+def _solve(world: int, joint: int, at: int, h: float, relaxing: bool) -> None:
     """Find the impulses of one joint as if it were the only one."""
     laws, work = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
     active = integers(world, LINK)[at, HELD_AXES] | laws
     responses = carray(floats_on_stack(36), (6, 6))
-    _find_responses(joint, at, active, responses, world)
+    _find_responses(world, joint, at, active, responses)
     for trial in range(TRIALS):
-        settled = laws == 0 or update_law_states(joint, at, h, relaxing, trial == 0, trial > BOUNDED, world)
+        settled = laws == 0 or update_law_states(world, joint, at, h, relaxing, trial == 0, trial > BOUNDED)
         if trial > 0 and settled:
             break
-        _solve_axes(at, active, responses, world)
+        _solve_axes(world, at, active, responses)
         for k in range(6):
             work[at, DELTA_SPEED + k] = 0.0
             for other in range(6):
@@ -143,13 +143,13 @@ def _solve(joint: int, at: int, h: float, relaxing: bool, world: int) -> None:
 
 
 @compiled(cached=False)
-def _find_responses(joint: int, at: int, active: int, responses: Any, world: int) -> None:
+def _find_responses(world: int, joint: int, at: int, active: int, responses: Any) -> None:
     """Find the changes of speed along each active axis by unit impulses along each, (6, 6)."""
     joints, response, numbers = integers(world, JOINT), floats(world, INVERSE_MASS), floats(world, JOINT_NUMBERS)
     wrenches, moved = carray(floats_on_stack(72), (6, 12)), carray(floats_on_stack(12), (1, 12))
     if joints[joint, LINEAR] == GEARED:
         k = joints[joint, PRINCIPAL]
-        responses[k, k] = mobility_of_gear(joint, at, world)
+        responses[k, k] = mobility_of_gear(world, joint, at)
         return
     turning = 0.0
     for side in range(2):
@@ -176,7 +176,7 @@ def _find_responses(joint: int, at: int, active: int, responses: Any, world: int
 
 
 @compiled(cached=False)
-def _solve_axes(at: int, active: int, responses: Any, world: int) -> None:
+def _solve_axes(world: int, at: int, active: int, responses: Any) -> None:
     """Find the impulses along the axes for the assumed pieces of laws.
 
     The equation of a held axis prescribes its change of speed, that of an open axis its impulse. Up to the scaling of rows the

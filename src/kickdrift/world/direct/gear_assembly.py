@@ -18,23 +18,23 @@ from kickdrift.world.tables import BLOCK, LINK, LINK_NUMBERS, floats, integers
 
 
 @compiled(cached=False)
-def geared_link(link: int, i: int, world: int) -> int:
+def geared_link(world: int, link: int, i: int) -> int:
     """Return the row of `LINK` of the body on which the i-th wrench of a gear acts; -1 for an immovable one."""
-    row: int = node_of(world, geared_body(integers(world, LINK)[link, LINK_JOINT], i, world))
+    row: int = node_of(world, geared_body(world, integers(world, LINK)[link, LINK_JOINT], i))
     return row
 
 
 @compiled(cached=False)
-def add_gear(link: int, stiffness: float, world: int) -> None:
+def add_gear(world: int, link: int, stiffness: float) -> None:
     """Add the row of a gear to the matrix of an island."""
     links, work, blocks = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, BLOCK)
     for i in range(4):
         for j in range(4):
-            one, two = geared_link(link, i, world), geared_link(link, j, world)
+            one, two = geared_link(world, link, i), geared_link(world, link, j)
             if one < 0 or two < 0:
                 continue
             a, b = links[one, NODE_ROW], links[two, NODE_ROW]
-            block = block_of(min(a, b), max(a, b), world) if a != b else 0
+            block = block_of(world, min(a, b), max(a, b)) if a != b else 0
             at = UPPER_BLOCK if a < b else LOWER_BLOCK
             for m in range(6):
                 scaled = stiffness * work[link, START_WRENCHES + 6 * i + m]
@@ -47,22 +47,22 @@ def add_gear(link: int, stiffness: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def load_gear(link: int, impulse: float, world: int) -> None:
+def load_gear(world: int, link: int, impulse: float) -> None:
     """Add the impulse of a gear to the loads on nodes."""
     work = floats(world, LINK_NUMBERS)
     for i in range(4):
-        to = geared_link(link, i, world)
+        to = geared_link(world, link, i)
         if to >= 0:
             for m in range(6):
                 work[to, CLOSING_IMPULSE + m] += impulse * work[link, START_WRENCHES + 6 * i + m]
 
 
 @compiled(cached=False)
-def moved_gear(link: int, world: int) -> float:
+def moved_gear(world: int, link: int) -> float:
     """Return the change of the speed of a gear in the current solution."""
     work, total = floats(world, LINK_NUMBERS), 0.0
     for i in range(4):
-        to = geared_link(link, i, world)
+        to = geared_link(world, link, i)
         if to >= 0:
             for m in range(6):
                 total += work[link, AHEAD_WRENCHES + 6 * i + m] * work[to, GAIN + m]

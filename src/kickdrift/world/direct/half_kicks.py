@@ -86,10 +86,10 @@ def mark_half_kicks(t: float, h: float, world: int) -> None:
     for island in range(rows(world, ISLAND)):
         own = islands[island]
         halved = own[FIRST_JOINT] < own[AFTER_JOINT] and (
-            (_is_unloaded(island, world) and _is_passive(island, world)) or (own[TOUCHES] < 2 and _falls(island, world))
+            (_is_unloaded(world, island) and _is_passive(world, island)) or (own[TOUCHES] < 2 and _falls(world, island))
         )
         for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-            kicked[body_of(node, world), KICK] = HALF_KICK if halved else WHOLE_KICK
+            kicked[body_of(world, node), KICK] = HALF_KICK if halved else WHOLE_KICK
 
 
 @compiled
@@ -99,7 +99,7 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
     motion, inverse_mass, settings = floats(world, MOTION), floats(world, INVERSE_MASS), floats(world, SETTINGS)
     for island in range(rows(world, ISLAND)):
         for node in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
-            body = body_of(node, world)
+            body = body_of(world, node)
             if kicked[body, KICK] != HALF_KICK:
                 continue
             inverse = symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD)
@@ -114,13 +114,13 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _is_unloaded(island: int, world: int) -> bool:
+def _is_unloaded(world: int, island: int) -> bool:
     """Whether no contact of an island had an impulse at the end of the last substep: none, or bounces alone."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     if own[TOUCHES] != 0 and own[FIRST_CONTACT] == own[AFTER_CONTACT]:
         return False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields = constraint(order[k, 0], world)
+        fields = constraint(world, order[k, 0])
         for i in range(TANGENT):
             if fields[impulse_field(i) * WIDTH] != 0.0:
                 return False
@@ -128,12 +128,12 @@ def _is_unloaded(island: int, world: int) -> bool:
 
 
 @compiled(cached=False)
-def _is_passive(island: int, world: int) -> bool:
+def _is_passive(world: int, island: int) -> bool:
     """Whether no body of an island is damped, and no joint has a motor, a drive or friction; limits only stop their axis."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, laws, inertia = integers(world, JOINT), floats(world, JOINT_AXES), floats(world, INERTIA)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(node, world)
+        body = body_of(world, node)
         if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
             return False
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
@@ -148,13 +148,13 @@ def _is_passive(island: int, world: int) -> bool:
 
 
 @compiled(cached=False)
-def _falls(island: int, world: int) -> bool:
+def _falls(world: int, island: int) -> bool:
     """Whether no joint holds an island, no body is damped, and the kick is the same for all of its bodies."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     force, inverse_mass, inertia = floats(world, FORCE), floats(world, INVERSE_MASS), floats(world, INERTIA)
-    first = body_of(own[FIRST_NODE], world)
+    first = body_of(world, own[FIRST_NODE])
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link, body = nodes[node, LINK_ROW], body_of(node, world)
+        link, body = nodes[node, LINK_ROW], body_of(world, node)
         if links[link, PARENT] == NONE and links[link, LINK_JOINT] >= 0:
             return False
         if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:

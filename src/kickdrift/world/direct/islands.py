@@ -237,7 +237,7 @@ def _sort_nodes(world: int) -> None:
     for island in range(rows(world, ISLAND)):
         least, greatest = 1e300, 0.0
         for place in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
-            mass = inertia[body_of(place, world), MASS]
+            mass = inertia[body_of(world, place), MASS]
             least, greatest = min(least, mass), max(greatest, mass)
         islands[island, RATIO], islands[island, LOST] = int(greatest / least + 1.0), 0
         islands[island, HAS_JOINTS] = int(islands[island, AFTER_JOINT] > islands[island, FIRST_JOINT])

@@ -39,7 +39,7 @@ from kickdrift.world.tables import (
 
 
 @compiled(cached=False)
-def split_impulse(link: int, joint: int, world: int) -> None:
+def split_impulse(world: int, link: int, joint: int) -> None:
     """Resolve the impulse at a joint of a tree into components along its axes."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     force, torque = vector_at(work, link, JOINT_WRENCH), vector_at(work, link, JOINT_WRENCH + 3)
@@ -49,46 +49,46 @@ def split_impulse(link: int, joint: int, world: int) -> None:
 
 
 @compiled(cached=False)
-def give_joints(island: int, task: int, world: int) -> None:
+def give_joints(world: int, island: int, task: int) -> None:
     """Apply the impulses of the joints of an island to the bodies."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
         if place < own[FIRST_CLOSING]:
-            split_impulse(link, links[link, LINK_JOINT], world)
-        give_joint(links[link, LINK_JOINT], link, task, world)
+            split_impulse(world, link, links[link, LINK_JOINT])
+        give_joint(world, links[link, LINK_JOINT], link, task)
 
 
 @compiled(cached=False)
-def give_joint(joint: int, link: int, task: int, world: int) -> None:
+def give_joint(world: int, joint: int, link: int, task: int) -> None:
     """Apply the impulses of a joint to its bodies; those of a bounce do not warm start the next substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     column = TOTAL if task >= BOUNCE else JOINT_IMPULSE
     for k in range(6):
         numbers[joint, column + k] += work[link, AXIS_IMPULSE + k]
-    push_bodies(joint, work, link, AXIS_IMPULSE, world)
+    push_bodies(world, joint, work, link, AXIS_IMPULSE)
 
 
 @compiled(cached=False)
-def end_solution(island: int, h: float, world: int) -> None:
+def end_solution(world: int, island: int, h: float) -> None:
     """Store the joint impulses of an island before the drift."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        end_joint(links[order[place, 0], LINK_JOINT], h, world)
+        end_joint(world, links[order[place, 0], LINK_JOINT], h)
 
 
 @compiled(cached=False)
-def end_joint(joint: int, h: float, world: int) -> None:
+def end_joint(world: int, joint: int, h: float) -> None:
     """Store the impulses of a joint before the drift."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
         numbers[joint, SOLVED + k] = numbers[joint, JOINT_IMPULSE + k]
     if integers(world, JOINT)[joint, LAWS] != 0:
-        end_laws(joint, h, world)
+        end_laws(world, joint, h)
 
 
 @compiled(cached=False)
-def end_relaxation(island: int, h: float, world: int) -> None:
+def end_relaxation(world: int, island: int, h: float) -> None:
     """Add up the joint impulses of the substep, and prepare those that warm start the next one."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints = integers(world, JOINT)
@@ -96,19 +96,19 @@ def end_relaxation(island: int, h: float, world: int) -> None:
         link = order[place, 0]
         joint = links[link, LINK_JOINT]
         if place < own[FIRST_CLOSING]:
-            set_brakes(link, joint, h, world)
-        turn_on(joint, links[link, LINK_BODY] if place < own[FIRST_CLOSING] else joints[joint, BODY_B], h, world)
+            set_brakes(world, link, joint, h)
+        turn_on(world, joint, links[link, LINK_BODY] if place < own[FIRST_CLOSING] else joints[joint, BODY_B], h)
 
 
 @compiled(cached=False)
-def turn_on(joint: int, body: int, h: float, world: int) -> None:
+def turn_on(world: int, joint: int, body: int, h: float) -> None:
     """Warm start the next substep of a joint with the impulses of this one before the drift, turned with the body.
 
     Those of the relaxation, which bend the paths of rotating bodies, are left out: with them the initial guess of Newton's
     method is worse.
     """
     numbers = floats(world, JOINT_NUMBERS)
-    note_speeds(joint, world)
+    note_speeds(world, joint)
     for k in range(6):
         numbers[joint, TOTAL + k] += numbers[joint, JOINT_IMPULSE + k]
         numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]

@@ -64,38 +64,38 @@ _ROUNDING, _AT_REST = 1e-12, 1e-7
 
 
 @compiled(cached=False, fast=True)
-def search_line(island: int, h: float, task: int, full: bool, touched: bool, world: int) -> bool:
+def search_line(world: int, island: int, h: float, task: int, full: bool, touched: bool) -> bool:
     """Accept the minimum between the accepted solution and the current one; return whether that is the current one."""
-    share = 1.0 if full else _minimum(island, h, task, touched, world)
+    share = 1.0 if full else _minimum(world, island, h, task, touched)
     whole = share == 1.0
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     if touched:
         for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-            _accept(contact_row(order[k, 0], world), share)
+            _accept(contact_row(world, order[k, 0]), share)
     joints = integers(world, ISLAND_JOINT)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        _accept_laws(joints[place, 0], share, world)
+        _accept_laws(world, joints[place, 0], share)
     return whole
 
 
 @compiled(cached=False, fast=True)
-def _minimum(island: int, h: float, task: int, touched: bool, world: int) -> float:
+def _minimum(world: int, island: int, h: float, task: int, touched: bool) -> float:
     """Return the fraction of the step at which the slope, which increases, is zero; 1.0 if it is negative to the end.
 
     By the Illinois variant of false position, which halves the slope at an end that is retained (Dowell, Jarratt, BIT 11 (1971)
     168). With bisection, a step of sixteen ragdolls in a heap takes 1.09 times as long.
     """
-    above = _slope(island, 1.0, h, task, touched, world)
+    above = _slope(world, island, 1.0, h, task, touched)
     if above <= 0.0:
         return 1.0
-    first = _slope(island, 0.0, h, task, touched, world)
-    unnoticed = max(_AT_REST * _AT_REST * mass_of(island, world), _ROUNDING * kinetic_energy(island, MOTION, world))
+    first = _slope(world, island, 0.0, h, task, touched)
+    unnoticed = max(_AT_REST * _AT_REST * mass_of(world, island), _ROUNDING * kinetic_energy(world, island, MOTION))
     if first >= 0.0 or above <= max(-_FLAT * first, unnoticed):
         return 1.0
     low, high, below, side = 0.0, 1.0, first, 0
     for _ in range(_TRIALS):
         middle = (low * above - high * below) / (above - below)
-        slope = _slope(island, middle, h, task, touched, world)
+        slope = _slope(world, island, middle, h, task, touched)
         if abs(slope) <= _LEVEL * -first or high - low <= _LEVEL:
             return middle
         if slope > 0.0:
@@ -108,17 +108,17 @@ def _minimum(island: int, h: float, task: int, touched: bool, world: int) -> flo
 
 
 @compiled(cached=False, fast=True)
-def _slope(island: int, share: float, h: float, task: int, touched: bool, world: int) -> float:
+def _slope(world: int, island: int, share: float, h: float, task: int, touched: bool) -> float:
     """Return the derivative of the convex function along the step, at a fraction `share` of it."""
     own, order, total = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     if touched:
         for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-            total += _slope_of_contact(contact_row(order[k, 0], world), share)
+            total += _slope_of_contact(contact_row(world, order[k, 0]), share)
     if task >= BOUNCE:
         return total
     joints = integers(world, ISLAND_JOINT)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        total += _slope_of_laws(joints[place, 0], share, h, task != PRESS, world)
+        total += _slope_of_laws(world, joints[place, 0], share, h, task != PRESS)
     return total
 
 
@@ -148,7 +148,7 @@ def _slope_of_contact(rows: Any, share: float) -> float:
 
 
 @compiled(cached=False, fast=True)
-def _slope_of_laws(link: int, share: float, h: float, relaxing: bool, world: int) -> float:
+def _slope_of_laws(world: int, link: int, share: float, h: float, relaxing: bool) -> float:
     """Return the part of the laws of a joint in `_slope`."""
     joint, work, total = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
     laws = integers(world, JOINT)[joint, LAWS]
@@ -157,7 +157,7 @@ def _slope_of_laws(link: int, share: float, h: float, relaxing: bool, world: int
             way = work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
             given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]
             borne = work[link, ACCEPTED_IMPULSE + k] + share * (given - work[link, ACCEPTED_IMPULSE + k])
-            law = law_impulse(joint, k, link, h, relaxing, work[link, ACCEPTED_DELTA_SPEED + k] + share * way, world)
+            law = law_impulse(world, joint, k, link, h, relaxing, work[link, ACCEPTED_DELTA_SPEED + k] + share * way)
             total += way * (borne - law)
     return total
 
@@ -183,7 +183,7 @@ def _accept(rows: Any, share: float) -> None:
 
 
 @compiled(cached=False, fast=True)
-def _accept_laws(link: int, share: float, world: int) -> None:
+def _accept_laws(world: int, link: int, share: float) -> None:
     """Move the accepted solution of the laws of a joint towards the current one by a fraction of the step."""
     joint, work = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS)
     laws = integers(world, JOINT)[joint, LAWS]

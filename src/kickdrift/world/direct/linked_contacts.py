@@ -19,27 +19,27 @@ def linked_contacts(world: int) -> int:
 
 
 @compiled(inline=True, cached=False, fast=True)
-def contact_row(index: int, world: int) -> Any:
+def contact_row(world: int, index: int) -> Any:
     """Return the row of a contact in CONTACT_ROW, as a view."""
     return flat(world, CONTACT_ROW)[_COLUMNS * index : _COLUMNS * (index + 1)]
 
 
 @compiled(inline=True, cached=False, fast=True)
-def constraint(index: int, world: int) -> Any:
+def constraint(world: int, index: int) -> Any:
     """Return the constraint of a contact: field k is number k WIDTH."""
     g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
     return flat(world, LANES)[g * _SIZE + index % c.WIDTH : (g + 1) * _SIZE]
 
 
 @compiled(inline=True, cached=False, fast=True)
-def bodies_of(index: int, world: int) -> tuple[int, int]:
+def bodies_of(world: int, index: int) -> tuple[int, int]:
     """Return the bodies of a contact."""
     groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
     return groups[g, c.BODIES_A + index % c.WIDTH], groups[g, c.BODIES_B + index % c.WIDTH]
 
 
 @compiled(inline=True, cached=False, fast=True)
-def row_of(index: int, world: int) -> int:
+def row_of(world: int, index: int) -> int:
     """Return the row of a contact in CONTACT."""
     g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
     row: int = integers(world, GROUPS)[g, c.GROUP_CONTACTS + index % c.WIDTH]

@@ -55,7 +55,7 @@ def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, 
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _is_gear(link: int, world: int) -> bool:
+def _is_gear(world: int, link: int) -> bool:
     """Whether a closing joint is a gear."""
     joints, links = integers(world, JOINT), integers(world, LINK)
     is_gear: bool = joints[links[link, LINK_JOINT], LINEAR] == GEARED
@@ -63,19 +63,19 @@ def _is_gear(link: int, world: int) -> bool:
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _stiffness(link: int, k: int, world: int) -> float:
+def _stiffness(world: int, link: int, k: int) -> float:
     """Return the impulse along an axis of a closing joint per change of speed; 0.0 along an immovable one."""
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     if links[link, HELD_AXES] >> k & 1:
         joint = links[link, LINK_JOINT]
-        yielding = mobility_of_gear(joint, link, world) if _is_gear(link, world) else mobility(joint, k, world)
+        yielding = mobility_of_gear(world, joint, link) if _is_gear(world, link) else mobility(world, joint, k)
         return _RIGID / yielding if yielding > 0.0 else 0.0
     slope: float = work[link, SLOPE + k]
     return slope
 
 
 @compiled(cached=False, fast=True)
-def begin_closings(island: int, world: int) -> None:
+def begin_closings(world: int, island: int) -> None:
     """Begin the solution of closing joints without impulses.
 
     With those of the substep before, a joint that is nearly redundant is an integral controller of its own error: as stiff as s
@@ -92,7 +92,7 @@ def begin_closings(island: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def stay_closings(island: int, world: int) -> None:
+def stay_closings(world: int, island: int) -> None:
     """Begin the solution of closing joints with their present impulses."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     work = floats(world, LINK_NUMBERS)
@@ -102,21 +102,21 @@ def stay_closings(island: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def refine_closings(island: int, world: int) -> float:
+def refine_closings(world: int, island: int) -> float:
     """Begin the next solution with the impulses of the current one; return its largest residual speed, m/s or rad/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, worst = integers(world, LINK), floats(world, LINK_NUMBERS), 0.0
     for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         link = order[place, 0]
         for k in range(6):
-            if links[link, HELD_AXES] >> k & 1 and _stiffness(link, k, world) > 0.0:
+            if links[link, HELD_AXES] >> k & 1 and _stiffness(world, link, k) > 0.0:
                 worst = max(worst, abs(work[link, RIGHT_HAND_SIDE + k] - work[link, DELTA_SPEED + k]))
                 work[link, BEGUN + k] = work[link, AXIS_IMPULSE + k]
     return worst
 
 
 @compiled(cached=False, fast=True)
-def add_closings(island: int, world: int) -> None:
+def add_closings(world: int, island: int) -> None:
     """Add the rows of closing joints to the matrix of an island."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
@@ -125,17 +125,17 @@ def add_closings(island: int, world: int) -> None:
         link = order[place, 0]
         a, b = _node(links, link, 0), _node(links, link, 1)
         for k in range(6):
-            stiffness = _stiffness(link, k, world)
-            if stiffness > 0.0 and _is_gear(link, world):
-                add_gear(link, stiffness, world)
+            stiffness = _stiffness(world, link, k)
+            if stiffness > 0.0 and _is_gear(world, link):
+                add_gear(world, link, stiffness)
             elif stiffness > 0.0:
                 write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
                 write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
-                add_row(a, b, stiffness, start, ahead, world)
+                add_row(world, a, b, stiffness, start, ahead)
 
 
 @compiled(cached=False, fast=True)
-def load_closings(island: int, world: int) -> None:
+def load_closings(world: int, island: int) -> None:
     """Add to the loads on the nodes of an island the impulses of its closing joints at no change of speed."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
@@ -145,11 +145,11 @@ def load_closings(island: int, world: int) -> None:
         for k in range(6):
             impulse = work[link, PUSH + k]
             if links[link, HELD_AXES] >> k & 1:
-                impulse = work[link, BEGUN + k] + _stiffness(link, k, world) * work[link, RIGHT_HAND_SIDE + k]
+                impulse = work[link, BEGUN + k] + _stiffness(world, link, k) * work[link, RIGHT_HAND_SIDE + k]
             if impulse == 0.0:
                 continue
-            if _is_gear(link, world):
-                load_gear(link, impulse, world)
+            if _is_gear(world, link):
+                load_gear(world, link, impulse)
                 continue
             write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
             for side in range(2):
@@ -168,7 +168,7 @@ def _node(links: Any, link: int, side: int) -> int:
 
 
 @compiled(cached=False, fast=True)
-def predict_closings(island: int, world: int) -> None:
+def predict_closings(world: int, island: int) -> None:
     """Find the changes of speed and the impulses along the axes of closing joints."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
@@ -177,8 +177,8 @@ def predict_closings(island: int, world: int) -> None:
         link = order[place, 0]
         for k in range(6):
             total = 0.0
-            if _is_gear(link, world):
-                total = moved_gear(link, world) if links[link, HELD_AXES] >> k & 1 else 0.0
+            if _is_gear(world, link):
+                total = moved_gear(world, link) if links[link, HELD_AXES] >> k & 1 else 0.0
             else:
                 write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
                 for side in range(2):
@@ -187,7 +187,7 @@ def predict_closings(island: int, world: int) -> None:
                         for i in range(6):
                             total += ahead[6 * side + i] * work[to, GAIN + i]
             work[link, DELTA_SPEED + k] = total
-            stiffness = _stiffness(link, k, world)
+            stiffness = _stiffness(world, link, k)
             if links[link, HELD_AXES] >> k & 1:
                 work[link, AXIS_IMPULSE + k] = work[link, BEGUN + k] + stiffness * (
                     work[link, RIGHT_HAND_SIDE + k] - total

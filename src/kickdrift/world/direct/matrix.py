@@ -38,7 +38,7 @@ def _about_one_axis(w: Symmetric, trace: float) -> Symmetric:
 
 
 @compiled(cached=False, fast=True)
-def put_inertia(link: int, ahead: float, world: int) -> None:
+def put_inertia(world: int, link: int, ahead: float) -> None:
     """Write the 6 x 6 inertia of the body of a link about its centre of mass, for velocities that act for a time `ahead`, s.
 
     A change dw of its angular velocity w turns it, after a time h, by h T dw with T = 1 + h w x / 2 + ...: velocities
@@ -80,7 +80,7 @@ def put_inertia(link: int, ahead: float, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def clear_blocks(first: int, after: int, world: int) -> None:
+def clear_blocks(world: int, first: int, after: int) -> None:
     """Set the blocks that couple the nodes of an island to zero."""
     nodes, blocks = integers(world, NODE), floats(world, BLOCK)
     for node in range(first, after):
@@ -91,7 +91,7 @@ def clear_blocks(first: int, after: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def block_of(a: int, b: int, world: int) -> int:
+def block_of(world: int, a: int, b: int) -> int:
     """Return the row of the block of two neighbours, of which a is eliminated first."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
     row: int = nodes[a, FIRST_NEIGHBOUR]
@@ -101,7 +101,7 @@ def block_of(a: int, b: int, world: int) -> int:
 
 
 @compiled(cached=False, fast=True)
-def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int) -> None:
+def add_row(world: int, a: int, b: int, stiffness: float, start: Any, ahead: Any) -> None:
     """Add the product of the stiffness and both wrenches of a row to the matrix.
 
     Parameters
@@ -123,7 +123,7 @@ def add_row(a: int, b: int, stiffness: float, start: Any, ahead: Any, world: int
                 add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, stiffness * start[6 * side + i], speeds)
     if a >= 0 and b >= 0:
         blocks = floats(world, BLOCK)
-        row, upper, lower = block_of(min(a, b), max(a, b), world), UPPER_BLOCK, LOWER_BLOCK
+        row, upper, lower = block_of(world, min(a, b), max(a, b)), UPPER_BLOCK, LOWER_BLOCK
         if b < a:
             upper, lower = LOWER_BLOCK, UPPER_BLOCK
         speeds_of_a, speeds_of_b = spatial_of(ahead, 0), spatial_of(ahead, 6)

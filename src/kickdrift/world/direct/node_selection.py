@@ -134,12 +134,12 @@ def node_of(world: int, body: int) -> int:
 @compiled(cached=False)
 def nodes_of_contact(world: int, index: int) -> tuple[int, int]:
     """Return the rows of LINK of the bodies of a contact that is solved directly, -1 as in `node_of`."""
-    a, b = bodies_of(index, world)
+    a, b = bodies_of(world, index)
     return node_of(world, a), node_of(world, b)
 
 
 @compiled(cached=False)
-def place_in(island: int, body: int, world: int) -> int:
+def place_in(world: int, island: int, body: int) -> int:
     """Return the place of a body in the order of elimination; -1 if it does not belong to the island."""
     link = node_of(world, body)
     place: int = integers(world, LINK)[link, NODE_ROW] if link >= 0 else -1
@@ -147,24 +147,24 @@ def place_in(island: int, body: int, world: int) -> int:
 
 
 @compiled(cached=False)
-def is_across(island: int, body: int, world: int) -> bool:
+def is_across(world: int, island: int, body: int) -> bool:
     """Whether a body at a contact of an island belongs to another one."""
-    return place_in(island, body, world) < 0 and node_of(world, body) >= 0
+    return place_in(world, island, body) < 0 and node_of(world, body) >= 0
 
 
 @compiled(inline=True)
-def body_of(node: int, world: int) -> int:
+def body_of(world: int, node: int) -> int:
     """Return the body of a node."""
     body: int = integers(world, LINK)[integers(world, NODE)[node, LINK_ROW], LINK_BODY]
     return body
 
 
 @compiled(cached=False)
-def mass_of(island: int, world: int) -> float:
+def mass_of(world: int, island: int) -> float:
     """Return the mass of an island, kg."""
     own, total = integers(world, ISLAND)[island], 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        total += floats(world, INERTIA)[body_of(node, world), MASS]
+        total += floats(world, INERTIA)[body_of(world, node), MASS]
     return total
 
 

@@ -157,7 +157,7 @@ def _couple(world: int, island: int, words: int) -> bool:
         if joints[links[closings[k, 0], LINK_JOINT], LINEAR] == GEARED:
             for one in range(4):
                 for two in range(one):
-                    a, b = geared_link(closings[k, 0], one, world), geared_link(closings[k, 0], two, world)
+                    a, b = geared_link(world, closings[k, 0], one), geared_link(world, closings[k, 0], two)
                     if a >= 0 and b >= 0 and a != b:
                         _unite(bits, links[a, NODE_ROW] - first, links[b, NODE_ROW] - first, words)
     return coupled

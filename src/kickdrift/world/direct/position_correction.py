@@ -17,19 +17,19 @@ REPAIRS = 8
 
 
 @compiled(cached=False)
-def repair(island: int, h: float, world: int) -> None:
+def repair(world: int, island: int, h: float) -> None:
     """Correct the poses of bodies so that joints are satisfied, without changing velocities."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     order, work = integers(world, ISLAND_JOINT), floats(world, LINK_NUMBERS)
     first, after = own[FIRST_NODE], own[AFTER_NODE]
     for _ in range(REPAIRS):
-        aim_island(island, h, REPAIR, world)
-        stay_closings(island, world)
-        solve(island, h, -1.0, REST, True, False, world)
+        aim_island(world, island, h, REPAIR)
+        stay_closings(world, island)
+        solve(world, island, h, -1.0, REST, True, False)
         for node in range(first, after):
             link = nodes[node, LINK_ROW]
             way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
             turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
-            shift_body(links[link, LINK_BODY], way, turn, world)
+            shift_body(world, links[link, LINK_BODY], way, turn)
         for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-            measure_joint(links[order[place, 0], LINK_JOINT], 0.0, world)
+            measure_joint(world, links[order[place, 0], LINK_JOINT], 0.0)

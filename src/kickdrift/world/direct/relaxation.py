@@ -20,18 +20,18 @@ from kickdrift.world.tables import ISLAND, integers
 def relax_islands(t: float, h: float, world: int) -> None:
     """Project the velocities onto those that joints and contacts allow at the new poses, after the drift."""
     for island in range(direct_islands(world)):
-        _relax(island, h, world)
-    _relax_again(h, world)
+        _relax(world, island, h)
+    _relax_again(world, h)
     for island in range(direct_islands(world)):
-        if is_cut(island, world):
-            aim_island(island, h, RELAX, world)
-            stay_closings(island, world)
-            solve(island, h, 0.0, REST, True, False, world)
-        end_relaxation(island, h, world)
+        if is_cut(world, island):
+            aim_island(world, island, h, RELAX)
+            stay_closings(world, island)
+            solve(world, island, h, 0.0, REST, True, False)
+        end_relaxation(world, island, h)
 
 
 @compiled(cached=False)
-def _relax(island: int, h: float, world: int) -> None:
+def _relax(world: int, island: int, h: float) -> None:
     """Project the velocities of an island after the drift, or, if that leaves too much energy, those after the kick.
 
     Where no solution was found, poses are corrected first; not judged, that turned the 2.4 kJ of a row of two bodies on sliders
@@ -39,18 +39,18 @@ def _relax(island: int, h: float, world: int) -> None:
     (`_relax_again`).
     """
     if integers(world, ISLAND)[island, LOST] != 0:
-        repair(island, h, world)
-        note_velocities(island, world)
-        note_impulses(island, False, world)
-        project(island, h, RELAX, REST, world)
+        repair(world, island, h)
+        note_velocities(world, island)
+        note_impulses(world, island, False)
+        project(world, island, h, RELAX, REST)
     else:
-        solve_at_once(island, h, RELAX, REST, world)
-    if not is_cut(island, world) and not gained(island, h, world) <= 0.0:
-        _relax_from_kick(island, h, world)
+        solve_at_once(world, island, h, RELAX, REST)
+    if not is_cut(world, island) and not gained(world, island, h) <= 0.0:
+        _relax_from_kick(world, island, h)
 
 
 @compiled(cached=False)
-def _relax_again(h: float, world: int) -> None:
+def _relax_again(world: int, h: float) -> None:
     """Project the velocities after the kick of islands that have gained energy, if all that contacts connect them with have.
 
     Judged one by one, islands would be projected again though the energy came from their neighbours: sixteen ragdolls, dropped
@@ -58,17 +58,17 @@ def _relax_again(h: float, world: int) -> None:
     """
     islands = integers(world, ISLAND)
     for island in range(direct_islands(world)):
-        if is_cut(island, world) and not gained(island, h, world) <= 0.0:
+        if is_cut(world, island) and not gained(world, island, h) <= 0.0:
             total = 0.0
             for other in range(direct_islands(world)):
                 if first_of(islands, GROUP, other) == first_of(islands, GROUP, island):
-                    total += gained(other, h, world)
+                    total += gained(world, other, h)
             if not total <= 0.0:
-                _relax_from_kick(island, h, world)
+                _relax_from_kick(world, island, h)
 
 
 @compiled(cached=False)
-def _relax_from_kick(island: int, h: float, world: int) -> None:
+def _relax_from_kick(world: int, island: int, h: float) -> None:
     """Project the velocities after the kick, without the impulses of the substep."""
-    begin_from_kick(island, world)
-    solve_at_once(island, h, RELAX, REST, world)
+    begin_from_kick(world, island)
+    solve_at_once(world, island, h, RELAX, REST)

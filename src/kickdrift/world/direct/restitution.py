@@ -36,61 +36,61 @@ _ROUNDS = 30
 def bounce_islands(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts in islands within the substep."""
     for island in range(direct_islands(world)):
-        if not _resolve_impacts(island, h, world):
-            _leave_impacts(island, world)
+        if not _resolve_impacts(world, island, h):
+            _leave_impacts(world, island)
 
 
 @compiled(cached=False)
-def _resolve_impacts(island: int, h: float, world: int) -> bool:
+def _resolve_impacts(world: int, island: int, h: float) -> bool:
     """Resolve the impacts of an island in rounds; return whether no point hits any more."""
     for _ in range(_ROUNDS):
-        if not _find_hits(island, h, world):
+        if not _find_hits(world, island, h):
             return True
-        note_velocities(island, world)
-        most = NO_MORE * energy_driven(island, kinetic_energy(island, MOTION, world), world)
-        solve_at_once(island, h, RELAX, BOUNCE, world)
-        if has_more(island, most, world):  # no solution: nothing bounces
-            take_back_velocities(island, world)
+        note_velocities(world, island)
+        most = NO_MORE * energy_driven(world, island, kinetic_energy(world, island, MOTION))
+        solve_at_once(world, island, h, RELAX, BOUNCE)
+        if has_more(world, island, most):  # no solution: nothing bounces
+            take_back_velocities(world, island)
             break
-        note_velocities(island, world)  # friction without a solution is left out
-        if not solve_at_once(island, h, RELAX, BOUNCE_FRICTION, world) or has_more(island, most, world):
-            take_back_velocities(island, world)
+        note_velocities(world, island)  # friction without a solution is left out
+        if not solve_at_once(world, island, h, RELAX, BOUNCE_FRICTION) or has_more(world, island, most):
+            take_back_velocities(world, island)
     return False
 
 
 @compiled(cached=False)
-def _leave_impacts(island: int, world: int) -> None:
+def _leave_impacts(world: int, island: int) -> None:
     """Let the solution of the substep stop all points of an island, and not only those too slow to bounce in the next one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        constraint(order[k, 0], world)[c.BOUNCE_THRESHOLD * c.WIDTH] = 1e300
+        constraint(world, order[k, 0])[c.BOUNCE_THRESHOLD * c.WIDTH] = 1e300
 
 
 @compiled(cached=False)
-def _find_hits(island: int, h: float, world: int) -> bool:
+def _find_hits(world: int, island: int, h: float) -> bool:
     """Find the points of an island that hit, and their speeds after the impact; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     contact, place, found, struck = integers(world, CONTACT), floats(world, PLACE), False, False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        struck = struck or strikes(world, row_of(order[k, 0], world))
+        struck = struck or strikes(world, row_of(world, order[k, 0]))
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        row = row_of(order[k, 0], world)
+        row = row_of(world, order[k, 0])
         e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-        if _hits(order[k, 0], e, e > 0.0 or struck, h, world):
+        if _hits(world, order[k, 0], e, e > 0.0 or struck, h):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
             found = True
     return found
 
 
 @compiled(cached=False)
-def _hits(index: int, e: float, may_hit: bool, h: float, world: int) -> bool:
+def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
     """Write the speeds after an impact (HITS) of the points of a contact; return whether any hits within the substep."""
-    a, b = bodies_of(index, world)
-    own, numbers = constraint(index, world), contact_row(index, world)
-    slowest = slowest_bounce(h, world, row_of(index, world))
+    a, b = bodies_of(world, index)
+    own, numbers = constraint(world, index), contact_row(world, index)
+    slowest = slowest_bounce(world, h, row_of(world, index))
     velocity, change, wrench = twelve(), twelve(), twelve()
-    read_both(MOTION, a, b, velocity, world)
-    read_both(DELTA_POSE, a, b, change, world)
+    read_both(world, MOTION, a, b, velocity)
+    read_both(world, DELTA_POSE, a, b, change)
     hit = False
     for k in range(TANGENT):
         numbers[HITS + k] = -1.0

@@ -58,19 +58,19 @@ def solve_islands(t: float, h: float, world: int) -> None:
     """Find and apply the impulses that satisfy joints and contacts at the end of the substep, before the drift."""
     islands = integers(world, ISLAND)
     for island in range(direct_islands(world)):
-        note_velocities(island, world)
-        note_impulses(island, False, world)
+        note_velocities(world, island)
+        note_impulses(world, island, False)
         islands[island, LOST] = 0
         if islands[island, HAS_JOINTS] == 0:
-            _press(island, h, world)
+            _press(world, island, h)
             continue
-        off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-        if not (off <= POOR and _approach(island, h, off, world) <= NEAR):
-            _solve_carefully(island, h, world)
+        off = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
+        if not (off <= POOR and _approach(world, island, h, off) <= NEAR):
+            _solve_carefully(world, island, h)
     for island in range(direct_islands(world)):
-        if is_cut(island, world):
-            _solve_joints(island, h, world)
-        end_solution(island, h, world)
+        if is_cut(world, island):
+            _solve_joints(world, island, h)
+        end_solution(world, island, h)
 
 
 @compiled
@@ -78,30 +78,30 @@ def measure_islands(t: float, h: float, world: int) -> None:
     """Include the contacts of islands in the residual: the largest normal speed of their loaded points."""
     settings = floats(world, SETTINGS)
     for island in range(direct_islands(world)):
-        settings[0, RESIDUAL] = max(settings[0, RESIDUAL], left_of_contacts(island, world))
+        settings[0, RESIDUAL] = max(settings[0, RESIDUAL], left_of_contacts(world, island))
 
 
 @compiled(cached=False)
-def _press(island: int, h: float, world: int) -> None:
+def _press(world: int, island: int, h: float) -> None:
     """Solve an island without joints, warm started; if bodies become too fast, from zero impulses; if that fails, not at all.
 
     The impulses of a spurious solution may be far too large, and would throw the lightest body.
     """
-    most = WILD * (fastest(island, KICKED, LINEAR_PART, world) + floats(world, SETTINGS)[0, PUSH_SPEED])
+    most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + floats(world, SETTINGS)[0, PUSH_SPEED])
     for trial in range(2):
         if trial == 1:
-            forget_contacts(island, world)
-            note_velocities(island, world)
-            note_impulses(island, False, world)
-        begin_contacts(island, h, PRESS, world)
-        solve(island, h, h, PRESS, True, True, world)
-        if fastest(island, MOTION, LINEAR_PART, world) <= most:
+            forget_contacts(world, island)
+            note_velocities(world, island)
+            note_impulses(world, island, False)
+        begin_contacts(world, island, h, PRESS)
+        solve(world, island, h, h, PRESS, True, True)
+        if fastest(world, island, MOTION, LINEAR_PART) <= most:
             return
-        take_back(island, world)
+        take_back(world, island)
 
 
 @compiled(inline=True, cached=False)
-def _close(island: int, world: int) -> float:
+def _close(world: int, island: int) -> float:
     """Return the error of joints, relative to the arms and times the mass ratio, at which Newton's method stops."""
     own = integers(world, ISLAND)[island]
     if own[AFTER_JOINT] > own[FIRST_CLOSING]:
@@ -110,68 +110,68 @@ def _close(island: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def _approach(island: int, h: float, off: float, world: int) -> float:
+def _approach(world: int, island: int, h: float, off: float) -> float:
     """Do up to ROUNDS steps of Newton's method, and return the error of joints times the mass ratio; infinity on failure."""
     own = integers(world, ISLAND)[island]
-    ratio, closed, close = own[RATIO], own[AFTER_JOINT] > own[FIRST_CLOSING], _close(island, world)
+    ratio, closed, close = own[RATIO], own[AFTER_JOINT] > own[FIRST_CLOSING], _close(world, island)
     for step in range(ROUNDS):
-        begin_closings(island, world)
-        begin_contacts(island, h, PRESS, world)
-        if not solve(island, h, h, PRESS, step == 0, True, world):
+        begin_closings(world, island)
+        begin_contacts(world, island, h, PRESS)
+        if not solve(world, island, h, h, PRESS, step == 0, True):
             return math.inf
-        off = ratio * aim_island(island, h, AHEAD, world) if closed or off * off > close else off * off
+        off = ratio * aim_island(world, island, h, AHEAD) if closed or off * off > close else off * off
         if off <= close:
             break
     return off
 
 
 @compiled(cached=False)
-def _solve_carefully(island: int, h: float, world: int) -> None:
+def _solve_carefully(world: int, island: int, h: float) -> None:
     """Solve from velocities that joints allow, and keep these if no solution is found near them."""
     islands = integers(world, ISLAND)
-    project(island, h, GENTLY, PRESS, world)
-    energy = kinetic_energy(island, MOTION, world)
-    off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
-    off = _approach(island, h, off, world)
+    project(world, island, h, GENTLY, PRESS)
+    energy = kinetic_energy(world, island, MOTION)
+    off = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
+    off = _approach(world, island, h, off)
     if not (
         off <= FAR * islands[island, RATIO]
-        and kinetic_energy(island, MOTION, world) <= allowance(island, h, world) * energy + energy_given(island, world)
+        and kinetic_energy(world, island, MOTION) <= allowance(world, island, h) * energy + energy_given(world, island)
     ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
-        project(island, h, GENTLY, PRESS, world)
+        project(world, island, h, GENTLY, PRESS)
 
 
 @compiled(cached=False)
-def _solve_joints(island: int, h: float, world: int) -> None:
+def _solve_joints(world: int, island: int, h: float) -> None:
     """Solve the joints of an island after its contacts with other islands: for the end of the substep if the error is small.
 
     If it is negligible, which it is for two fifths of the ragdolls in a heap, since neighbours have hardly pushed, not at all.
     """
     islands = integers(world, ISLAND)
-    off = islands[island, RATIO] * aim_island(island, h, AHEAD, world)
+    off = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
     near = off <= POOR and islands[island, LOST] == 0
-    if near and off <= _close(island, world):
+    if near and off <= _close(world, island):
         return
     if near:
-        begin_closings(island, world)
+        begin_closings(world, island)
     else:
-        aim_island(island, h, GENTLY, world)
-        stay_closings(island, world)
-    solve(island, h, h if near else 0.0, PRESS, True, False, world)
+        aim_island(world, island, h, GENTLY)
+        stay_closings(world, island)
+    solve(world, island, h, h if near else 0.0, PRESS, True, False)
 
 
 @compiled(cached=False)
-def solve_at_once(island: int, h: float, mode: int, task: int, world: int) -> bool:
+def solve_at_once(world: int, island: int, h: float, mode: int, task: int) -> bool:
     """Project velocities onto those that joints and contacts allow at the present poses; return whether the laws hold."""
-    aim_island(island, h, mode, world)
-    stay_closings(island, world)
-    begin_contacts(island, h, task, world)
-    return solve(island, h, 0.0, task, True, True, world)
+    aim_island(world, island, h, mode)
+    stay_closings(world, island)
+    begin_contacts(world, island, h, task)
+    return solve(world, island, h, 0.0, task, True, True)
 
 
 @compiled(cached=False)
-def project(island: int, h: float, mode: int, task: int, world: int) -> None:
+def project(world: int, island: int, h: float, mode: int, task: int) -> None:
     """Go back to the noted velocities, and project them."""
-    take_back(island, world)
-    solve_at_once(island, h, mode, task, world)
+    take_back(world, island)
+    solve_at_once(world, island, h, mode, task)

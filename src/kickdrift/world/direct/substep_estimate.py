@@ -35,7 +35,7 @@ _ALL_AXES = 63
 
 
 @compiled(cached=False)
-def refinement(island: int, turn: float, substep: float, world: int) -> float:
+def refinement(world: int, island: int, turn: float, substep: float) -> float:
     """Return the factor by which there should be more substeps, for bodies that now turn by `turn` in one, rad.
 
     Energy passes on from body to body. At worst all of it turns the one joint with the least inertia.
@@ -58,8 +58,8 @@ def refinement(island: int, turn: float, substep: float, world: int) -> float:
     energy = 0.0
     for velocities in (STARTED_MOTION, MOTION):
         if held:
-            energy = max(energy, kinetic_energy(island, velocities, world))
+            energy = max(energy, kinetic_energy(world, island, velocities))
         else:
-            energy = max(energy, 0.5 * mass_of(island, world) * inner_speed(island, velocities, world) ** 2)
+            energy = max(energy, 0.5 * mass_of(world, island) * inner_speed(world, island, velocities) ** 2)
     factor = max(_PER_ROOT * math.sqrt(max(turn, substep * math.sqrt(2.0 * energy * most))), 2.0)
     return _OF_LOOPS * factor if own[FIRST_CLOSING] < own[AFTER_JOINT] else factor

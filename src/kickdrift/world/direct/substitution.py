@@ -46,7 +46,7 @@ _NOTHING: Vector = (0.0, 0.0, 0.0)
 
 
 @compiled(cached=False, fast=True)
-def substitute(first: int, after: int, world: int) -> None:
+def substitute(world: int, first: int, after: int) -> None:
     """Find the changes of velocity (`GAIN`) for the loads on the nodes, and the impulses at joints (`JOINT_WRENCH`)."""
     nodes, links, work = integers(world, NODE), integers(world, LINK), floats(world, LINK_NUMBERS)
     for node in range(first, after):
@@ -55,19 +55,19 @@ def substitute(first: int, after: int, world: int) -> None:
             work[link, BIAS_IMPULSE + k] = -work[link, CLOSING_IMPULSE + k]
     for node in range(first, after):
         if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
-            _forward_link(node, world)
+            _forward_link(world, node)
         else:
-            _forward_free(node, world)
+            _forward_free(world, node)
     for back in range(after - first):
         node = after - 1 - back
         if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
-            _back_link(node, world)
+            _back_link(world, node)
         else:
-            _back_free(node, world)
+            _back_free(world, node)
 
 
 @compiled(cached=False, fast=True)
-def _forward_link(node: int, world: int) -> None:
+def _forward_link(world: int, node: int) -> None:
     """Find the impulse at a link's joint if its parent and its neighbours do not move, and pass it on to these."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
     work, numbers, blocks = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, BLOCK)
@@ -132,7 +132,7 @@ def _add_product(m: Any, row: int, at: int, x: Any, of: int, source: int, y: Any
 
 
 @compiled(cached=False, fast=True)
-def _back_link(node: int, world: int) -> None:
+def _back_link(world: int, node: int) -> None:
     """Find the change of velocity of a link, from those of its parent and its neighbours, and the impulse at its joint."""
     nodes, links, neighbours = integers(world, NODE), integers(world, LINK), integers(world, NEIGHBOUR)
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
@@ -175,7 +175,7 @@ def _back_link(node: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def _forward_free(node: int, world: int) -> None:
+def _forward_free(world: int, node: int) -> None:
     """Find the change of velocity of a free node if its neighbours do not move, and the loads that it passes on to them."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
@@ -196,7 +196,7 @@ def _forward_free(node: int, world: int) -> None:
 
 
 @compiled(cached=False, fast=True)
-def _back_free(node: int, world: int) -> None:
+def _back_free(world: int, node: int) -> None:
     """Correct the change of velocity of a free node for those of its neighbours."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
     work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)

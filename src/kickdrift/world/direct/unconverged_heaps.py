@@ -87,13 +87,13 @@ def find_heaps(t: float, h: float, world: int) -> None:
     any_unsolved = False
     for row in range(rows(world, BODY)):
         body[row, IN_HEAP] = 0
-        unsolved = body[row, UNSOLVED] >= _PATIENCE or _falls_far(h, world, row)
+        unsolved = body[row, UNSOLVED] >= _PATIENCE or _falls_far(world, h, row)
         any_unsolved = any_unsolved or (unsolved and body[row, AWAKE] != 0)
     if not any_unsolved:
         return
     found, small = False, _count_free(world) <= CROWD
     if small:
-        _join_heaps(h, world)
+        _join_heaps(world, h)
     for row in range(rows(world, BODY)):
         size, unsolved = body[body[row, HEAP], HEAP_SIZE], body[body[row, HEAP], HEAP_UNSOLVED]
         if small and _is_free(world, row) and 1 < size <= LARGEST and unsolved >= _PATIENCE + size // _MORE:
@@ -104,7 +104,7 @@ def find_heaps(t: float, h: float, world: int) -> None:
 
 
 @compiled(inline=True)
-def _falls_far(h: float, world: int, row: int) -> bool:
+def _falls_far(world: int, h: float, row: int) -> bool:
     """Whether gravity and forces bring a dynamic body a good part of its size in a step."""
     if integers(world, BODY)[row, BODY_KIND] != DYNAMIC:
         return False
@@ -161,7 +161,7 @@ def _count_free(world: int) -> int:
 
 
 @compiled
-def _join_heaps(h: float, world: int) -> None:
+def _join_heaps(world: int, h: float) -> None:
     """Unite the free bodies that contacts hold together."""
     body, contact = integers(world, BODY), integers(world, CONTACT)
     for row in range(rows(world, BODY)):
@@ -175,7 +175,7 @@ def _join_heaps(h: float, world: int) -> None:
             first = first_of(body, HEAP, row)
             body[row, HEAP] = first
             body[first, HEAP_SIZE] += 1
-            unsolved = _FOUND if _falls_far(h, world, row) else body[row, UNSOLVED]
+            unsolved = _FOUND if _falls_far(world, h, row) else body[row, UNSOLVED]
             body[first, HEAP_UNSOLVED] = max(body[first, HEAP_UNSOLVED], unsolved)
 
 
@@ -190,7 +190,7 @@ def ask_again(t: float, h: float, world: int) -> None:
         any_far = any_far or _is_far_left(world, row)
     if not any_far or _count_free(world) > CROWD:
         return
-    _join_heaps(h, world)
+    _join_heaps(world, h)
     found = False
     for row in range(rows(world, BODY)):
         size = body[body[row, HEAP], HEAP_SIZE]
@@ -220,7 +220,7 @@ def count_unsolved(t: float, h: float, world: int) -> None:
         if body[row, BODY_KIND] == DYNAMIC and body[row, AWAKE] == 0:
             body[row, LEFT_FOR] = body[row, RESIDUAL_SIZE] = 0
             continue
-        _count_left(row, t, h, world)
+        _count_left(world, row, t, h)
         residual, count = body[row, RESIDUAL_SIZE], body[row, UNSOLVED]
         if count >= _FOUND:
             body[row, UNSOLVED] = count if residual & TOUCHES else 0
@@ -232,7 +232,7 @@ def count_unsolved(t: float, h: float, world: int) -> None:
 
 
 @compiled(inline=True)
-def _count_left(row: int, t: float, h: float, world: int) -> None:
+def _count_left(world: int, row: int, t: float, h: float) -> None:
     """Count how long a resting body, slower than its weight makes it in a step, is left unsolved; report it after too long.
 
     Only whole steps are counted: parts are shorter, and may be many.

@@ -34,29 +34,29 @@ from kickdrift.world.tables import (
 
 
 @compiled(cached=False)
-def kinetic_energy(island: int, velocities: Table, world: int) -> float:
+def kinetic_energy(world: int, island: int, velocities: Table) -> float:
     """Return the kinetic energy of an island with the velocities of a table, J."""
     own, total = integers(world, ISLAND)[island], 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        total += energy_of(body_of(node, world), velocities, POSE, world)
+        total += energy_of(world, body_of(world, node), velocities, POSE)
     return total
 
 
 @compiled(cached=False)
-def inner_speed(island: int, velocities: Table, world: int) -> float:
+def inner_speed(world: int, island: int, velocities: Table) -> float:
     """Return the speed of an island whose kinetic energy in its centre-of-mass frame is m v^2 / 2, m/s."""
     own, mass, momentum = integers(world, ISLAND)[island], 0.0, (0.0, 0.0, 0.0)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(node, world)
+        body = body_of(world, node)
         mass += floats(world, INERTIA)[body, MASS]
         velocity = vector_at(floats(world, velocities), body, LINEAR_PART)
         momentum = plus(momentum, times(floats(world, INERTIA)[body, MASS], velocity))
-    energy = kinetic_energy(island, velocities, world) - 0.5 * dot(momentum, momentum) / mass
+    energy = kinetic_energy(world, island, velocities) - 0.5 * dot(momentum, momentum) / mass
     return math.sqrt(2.0 * max(energy, 0.0) / mass)
 
 
 @compiled(cached=False)
-def energy_of(body: int, velocities: Table, poses: Table, world: int) -> float:
+def energy_of(world: int, body: int, velocities: Table, poses: Table) -> float:
     """Return the kinetic energy of a body with the velocity and the pose of two tables, J."""
     speeds, inertia = floats(world, velocities), floats(world, INERTIA)
     v = vector_at(speeds, body, LINEAR_PART)
@@ -67,36 +67,36 @@ def energy_of(body: int, velocities: Table, poses: Table, world: int) -> float:
 
 
 @compiled(cached=False)
-def fastest(island: int, velocities: Table, part: int, world: int) -> float:
+def fastest(world: int, island: int, velocities: Table, part: int) -> float:
     """Return the largest speed, m/s, or angular speed, rad/s, of a body of an island, with the velocities of a table."""
     own, speeds, most = integers(world, ISLAND)[island], floats(world, velocities), 0.0
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        v = vector_at(speeds, body_of(node, world), part)
+        v = vector_at(speeds, body_of(world, node), part)
         most = max(most, dot(v, v))
     return math.sqrt(most)
 
 
 @compiled(cached=False)
-def note_velocities(island: int, world: int) -> None:
+def note_velocities(world: int, island: int) -> None:
     """Store the velocities of an island, and of bodies across its cut contacts, in NOTED."""
-    _copy(island, MOTION, NOTED, world)
-    _copy_across(island, MOTION, NOTED, world)
+    _copy(world, island, MOTION, NOTED)
+    _copy_across(world, island, MOTION, NOTED)
 
 
 @compiled(cached=False)
-def take_back_velocities(island: int, world: int) -> None:
+def take_back_velocities(world: int, island: int) -> None:
     """Restore the velocities stored in NOTED; subtracting impulses would leave rounding errors."""
-    _copy(island, NOTED, MOTION, world)
-    _copy_across(island, NOTED, MOTION, world)
+    _copy(world, island, NOTED, MOTION)
+    _copy_across(world, island, NOTED, MOTION)
 
 
 @compiled(cached=False)
-def begin_from_kick(island: int, world: int) -> None:
+def begin_from_kick(world: int, island: int) -> None:
     """Restore the velocities after the kick, and set the impulses of joints and contacts to zero."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     numbers = floats(world, JOINT_NUMBERS)
-    forget_contacts(island, world)
-    _copy(island, KICKED, MOTION, world)
+    forget_contacts(world, island)
+    _copy(world, island, KICKED, MOTION)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         for k in range(6):
@@ -104,25 +104,25 @@ def begin_from_kick(island: int, world: int) -> None:
 
 
 @compiled(cached=False)
-def _copy(island: int, source: Table, target: Table, world: int) -> None:
+def _copy(world: int, island: int, source: Table, target: Table) -> None:
     """Copy the velocities of an island from one table to another."""
     own = integers(world, ISLAND)[island]
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        _copy_of(body_of(node, world), source, target, world)
+        _copy_of(world, body_of(world, node), source, target)
 
 
 @compiled(cached=False)
-def _copy_across(island: int, source: Table, target: Table, world: int) -> None:
+def _copy_across(world: int, island: int, source: Table, target: Table) -> None:
     """Copy the velocities of bodies of other islands that the contacts of an island push."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        for body in bodies_of(order[k, 0], world):
-            if is_across(island, body, world):
-                _copy_of(body, source, target, world)
+        for body in bodies_of(world, order[k, 0]):
+            if is_across(world, island, body):
+                _copy_of(world, body, source, target)
 
 
 @compiled(inline=True, cached=False)
-def _copy_of(body: int, source: Table, target: Table, world: int) -> None:
+def _copy_of(world: int, body: int, source: Table, target: Table) -> None:
     """Copy the velocities of a body."""
     old, new = floats(world, source), floats(world, target)
     for k in range(6):
@@ -130,17 +130,17 @@ def _copy_of(body: int, source: Table, target: Table, world: int) -> None:
 
 
 @compiled(cached=False)
-def take_back(island: int, world: int) -> None:
+def take_back(world: int, island: int) -> None:
     """Restore the noted velocities, and the impulses that belong to them."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    take_back_velocities(island, world)
-    note_impulses(island, True, world)
+    take_back_velocities(world, island)
+    note_impulses(world, island, True)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        begin_anew(links[order[place, 0], LINK_JOINT], world)
+        begin_anew(world, links[order[place, 0], LINK_JOINT])
 
 
 @compiled(cached=False)
-def begin_anew(joint: int, world: int) -> None:
+def begin_anew(world: int, joint: int) -> None:
     """Reset the impulses of a joint to those with which the substep began."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):

@@ -51,7 +51,7 @@ def along(wrench: Any, velocity: Any) -> float:
 
 
 @compiled(cached=False, fast=True)
-def mobility(wrench: Any, body: int, side: int, world: int) -> float:
+def mobility(world: int, wrench: Any, body: int, side: int) -> float:
     """Return the change of speed along a row per unit impulse along it, by one of its bodies alone."""
     response, at = floats(world, INVERSE_MASS), 6 * side
     push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])

@@ -122,7 +122,7 @@ def solution(
 
 
 @compiled(inline=True, cached=False)
-def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, float]:
+def _drive_of(world: int, joint: int, k: int, h: float) -> tuple[float, float, float]:
     """Return the impulse of a drive: constant, slope, maximum; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
@@ -140,7 +140,7 @@ def _drive_of(joint: int, k: int, h: float, world: int) -> tuple[float, float, f
 
 @compiled(inline=True, cached=False)
 def _piece(
-    joint: int, link: int, k: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float, world: int
+    world: int, joint: int, link: int, k: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float
 ) -> tuple[int, bool, float, float]:
     """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
@@ -153,23 +153,23 @@ def _piece(
         lower, upper = min(lower, 0.0), max(upper, 0.0)
         constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
     else:
-        constant, slope, maximum = _drive_of(joint, k, h, world)
+        constant, slope, maximum = _drive_of(world, joint, k, h)
     scale = numbers[joint, j.TWIST_SCALE] if k == 5 and joints[joint, j.ANGULAR] == j.SWING_TWIST else 1.0
     return solution(
         speed - mobility * impulse, mobility, scale * lower / h, scale * upper / h,
-        _friction(joint, link, k, h, world), h * laws[row, j.MOTOR_MAXIMUM], laws[row, j.MOTOR_SPEED], constant, slope, maximum,
+        _friction(world, joint, link, k, h), h * laws[row, j.MOTOR_MAXIMUM], laws[row, j.MOTOR_SPEED], constant, slope, maximum,
     )  # fmt: skip
 
 
 @compiled(inline=True, cached=False)
-def _friction(joint: int, link: int, k: int, h: float, world: int) -> float:
+def _friction(world: int, joint: int, link: int, k: int, h: float) -> float:
     """Bound the impulse of friction about or along an axis."""
     most: float = h * floats(world, JOINT_AXES)[6 * joint + k, j.JOINT_FRICTION]
     return most if k < 3 else most * floats(world, LINK_NUMBERS)[link, j.FRICTION_SHARE + k - 3]
 
 
 @compiled(cached=False)
-def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool, world: int) -> bool:
+def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool) -> bool:
     """Share the friction of a ball joint among its axes, as it bounds the size of the torque; return whether nothing changes.
 
     Like that of contacts, it acts along the impulse that would hold the joint, found with the current solution or, once it is
@@ -179,7 +179,7 @@ def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool
     if first:
         for k in range(3):
             work[link, j.FRICTION_SHARE + k] = 1.0
-    if bounded or not shares_friction(joint, world):
+    if bounded or not shares_friction(world, joint):
         return True
     square, same = 1e-300, not first
     for trial in range(2):
@@ -188,7 +188,7 @@ def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool
             if relaxing:
                 constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
             else:
-                constant, _, maximum = _drive_of(joint, k, h, world)
+                constant, _, maximum = _drive_of(world, joint, k, h)
             line = laws[6 * joint + k, j.MOBILITY] / (1.0 if first else _RIGID)
             speed = work[link, j.AXIS_SPEED + k] + work[link, j.ACCEPTED_DELTA_SPEED + k]
             impulse = numbers[joint, j.JOINT_IMPULSE + k] + work[link, j.LAW_BASE + k]
@@ -203,25 +203,25 @@ def _share_friction(joint: int, link: int, h: float, relaxing: bool, first: bool
 
 
 @compiled(cached=False)
-def law_impulse(joint: int, k: int, link: int, h: float, relaxing: bool, moved: float, world: int) -> float:
+def law_impulse(world: int, joint: int, k: int, link: int, h: float, relaxing: bool, moved: float) -> float:
     """Return the impulse that a law adds to the one before the solution, where the speed has changed by `moved`."""
     work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, j.JOINT_IMPULSE + k]
     mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY] / _RIGID
     speed, base = work[link, j.AXIS_SPEED + k] + moved, work[link, j.LAW_BASE + k]
-    _, held, value, slope = _piece(joint, link, k, h, relaxing, speed, before + base, mobility, world)
+    _, held, value, slope = _piece(world, joint, link, k, h, relaxing, speed, before + base, mobility)
     impulse: float = base + (value - speed) / mobility if held else value - slope * speed - before
     return impulse
 
 
 @compiled(cached=False)
-def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool, world: int) -> bool:
+def update_law_states(world: int, joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool) -> bool:
     """Assume the pieces on which the solution lies, and return whether it was found with them.
 
     Friction that several axes share does not change once it is `bounded`.
     """
     laws, numbers = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS)
     work = floats(world, LINK_NUMBERS)
-    settled = _share_friction(joint, link, h, relaxing, first, bounded, world)
+    settled = _share_friction(world, joint, link, h, relaxing, first, bounded)
     for k in range(6):
         if not laws >> k & 1:
             continue
@@ -229,7 +229,7 @@ def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bo
         before, rigid, base = work[link, j.AXIS_SPEED + k], mobility / _RIGID, work[link, j.LAW_BASE + k]
         speed, impulse = before + work[link, j.ACCEPTED_DELTA_SPEED + k], numbers[joint, j.JOINT_IMPULSE + k] + base
         line = mobility if first else rigid
-        code, held, value, slope = _piece(joint, link, k, h, relaxing, speed, impulse, line, world)
+        code, held, value, slope = _piece(world, joint, link, k, h, relaxing, speed, impulse, line)
         settled = settled and code == work[link, j.LAW_STATE + k]
         work[link, j.LAW_STATE + k] = code
         work[link, j.SLOPE + k] = 1.0 / rigid if held else slope
@@ -239,7 +239,7 @@ def update_law_states(joint: int, link: int, h: float, relaxing: bool, first: bo
 
 
 @compiled(cached=False)
-def refine_laws(joint: int, link: int, world: int) -> float:
+def refine_laws(world: int, joint: int, link: int) -> float:
     """Let upright pieces begin with the impulses of the current solution, and return the largest speed that it leaves there."""
     laws, work, worst = integers(world, JOINT)[joint, j.LAWS], floats(world, LINK_NUMBERS), 0.0
     for k in range(6):
@@ -252,10 +252,10 @@ def refine_laws(joint: int, link: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def end_laws(joint: int, h: float, world: int) -> None:
+def end_laws(world: int, joint: int, h: float) -> None:
     """Keep the drives of the substep for the relaxation, after the drift."""
     joint_laws, laws = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_AXES)
     for k in range(6):
         if joint_laws >> k & 1:
-            constant, slope, _ = _drive_of(joint, k, h, world)
+            constant, slope, _ = _drive_of(world, joint, k, h)
             laws[6 * joint + k, j.DRIVE_CONSTANT], laws[6 * joint + k, j.DRIVE_SLOPE] = constant, slope

@@ -18,7 +18,7 @@ from kickdrift.world.tables import DELTA_POSE, INERTIA, INVERSE_MASS, MOTION, PO
 
 
 @compiled(cached=False)
-def shift_body(body: int, way: Vector, turn: Vector, world: int) -> None:
+def shift_body(world: int, body: int, way: Vector, turn: Vector) -> None:
     """Change the pose of a body, and turn its angular velocity with it, which keeps its energy."""
     pose, delta_pose = floats(world, POSE), floats(world, DELTA_POSE)
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)

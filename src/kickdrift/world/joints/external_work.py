@@ -10,22 +10,22 @@ from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTIO
 
 
 @compiled(cached=False)
-def external_work(joint: int, world: int) -> float:
+def external_work(world: int, joint: int) -> float:
     """Bound the energy that a joint adds to its dynamic bodies in the substep, J."""
     joints, bodies = integers(world, JOINT), integers(world, BODY)
-    work = _work_of_laws(joint, world) if joints[joint, j.LAWS] != 0 else 0.0
+    work = _work_of_laws(world, joint) if joints[joint, j.LAWS] != 0 else 0.0
     for side in range(2):
         body = joints[joint, j.BODY_A + side]
         if bodies[body, BODY_KIND] == KINEMATIC:
-            work += _work_of_kinematic(joint, body, j.ARM_A if side == 0 else j.ARM_B, world)
+            work += _work_of_kinematic(world, joint, body, j.ARM_A if side == 0 else j.ARM_B)
     return work
 
 
 @compiled(cached=False)
-def _work_of_laws(joint: int, world: int) -> float:
+def _work_of_laws(world: int, joint: int) -> float:
     """Bound the work of motors, drives and limits: impulse times the speeds before and after, where positive, J."""
     axes, numbers, laws = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
-    v, w = relative_velocity(joint, world)
+    v, w = relative_velocity(world, joint)
     most = 0.0
     for k in range(6):
         if axes >> k & 1:
@@ -36,7 +36,7 @@ def _work_of_laws(joint: int, world: int) -> float:
 
 
 @compiled(cached=False)
-def _work_of_kinematic(joint: int, body: int, arm: int, world: int) -> float:
+def _work_of_kinematic(world: int, joint: int, body: int, arm: int) -> float:
     """Bound the work of a kinematic body on a joint: its impulse times the velocity of the point where it acts, J."""
     numbers, motion = floats(world, JOINT_NUMBERS), floats(world, MOTION)
     v, w = vector_at(motion, body, j.LINEAR_PART), vector_at(motion, body, j.ANGULAR_PART)

@@ -87,7 +87,7 @@ class Gear(Record):
         if joints[0] == joints[1] and axes[0] == axes[1]:
             raise ArgumentError(f"joint_b={self.joint_b!r} is joint_a with the same axis; give another joint or axis.")
         registry = self.joint_a.joints
-        measure_again(np.array(joints), registry.tables.address)
+        measure_again(registry.tables.address, np.array(joints))
         rates = (self.joint_a.sign(axes[0]), -self.ratio * self.joint_b.sign(axes[1]))
         numbers = registry.tables.array(JOINT_NUMBERS)
         total = sum(

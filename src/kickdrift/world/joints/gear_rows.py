@@ -31,7 +31,7 @@ _NOTHING: Vector = (0.0, 0.0, 0.0)
 
 
 @compiled(cached=False)
-def geared_body(joint: int, i: int, world: int) -> int:
+def geared_body(world: int, joint: int, i: int) -> int:
     """Return the body that the i-th of the four wrenches of a gear acts on."""
     joints = integers(world, JOINT)
     body: int = joints[joints[joint, j.GEARED_JOINTS + i // 2], j.BODY_A + i % 2]
@@ -39,7 +39,7 @@ def geared_body(joint: int, i: int, world: int) -> int:
 
 
 @compiled(cached=False)
-def put_wrenches(joint: int, h: float, table: Any, row: int, column: int, world: int) -> float:
+def put_wrenches(world: int, joint: int, h: float, table: Any, row: int, column: int) -> float:
     """Write the four wrenches of a gear as they will be after a time h at the present velocities.
 
     Returns
@@ -51,7 +51,7 @@ def put_wrenches(joint: int, h: float, table: Any, row: int, column: int, world:
     off: float = -numbers[joint, j.LENGTH]
     for side in range(2):
         rate, k = numbers[joint, j.RATES + side], joints[joint, j.GEARED_AXES + side]
-        at, axis, arm_a, arm_b = _axis_ahead(joints[joint, j.GEARED_JOINTS + side], k, h, world)
+        at, axis, arm_a, arm_b = _axis_ahead(world, joints[joint, j.GEARED_JOINTS + side], k, h)
         off += rate * at
         axis = times(rate, axis)
         push = axis if k < 3 else _NOTHING
@@ -64,7 +64,7 @@ def put_wrenches(joint: int, h: float, table: Any, row: int, column: int, world:
 
 
 @compiled(cached=False)
-def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector, Vector, Vector]:
+def _axis_ahead(world: int, joint: int, k: int, h: float) -> tuple[float, Vector, Vector, Vector]:
     """Return the position along or about an axis of a joint after a time h, the axis, and the arms of a and b."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
@@ -75,7 +75,7 @@ def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector
     axis = turned(fa, axis_unit(k % 3))
     if k >= 3:
         relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, j.FRAME_B)))
-        angle = unwound(2.0 * math.atan2(relative[k - 2], relative[0]), expected_angle(joint, k, h, world))
+        angle = unwound(2.0 * math.atan2(relative[k - 2], relative[0]), expected_angle(world, joint, k, h))
         return angle, axis, _NOTHING, _NOTHING
     arm_b = turned(qb, vector_at(numbers, joint, j.ANCHOR_B))
     moved = minus(vector_at(motion, b, j.LINEAR_PART), vector_at(motion, a, j.LINEAR_PART))
@@ -86,27 +86,27 @@ def _axis_ahead(joint: int, k: int, h: float, world: int) -> tuple[float, Vector
 
 
 @compiled(cached=False)
-def speed_of_gear(joint: int, link: int, world: int) -> float:
+def speed_of_gear(world: int, joint: int, link: int) -> float:
     """Return the rate of the sum that a gear holds, from the wrenches in a row of `LINK_NUMBERS`."""
     work, motion, total = floats(world, LINK_NUMBERS), floats(world, MOTION), 0.0
     for i in range(4):
-        body = geared_body(joint, i, world)
+        body = geared_body(world, joint, i)
         for m in range(6):
             total += work[link, j.START_WRENCHES + 6 * i + m] * motion[body, m]
     return total
 
 
 @compiled(cached=False)
-def mobility_of_gear(joint: int, link: int, world: int) -> float:
+def mobility_of_gear(world: int, joint: int, link: int) -> float:
     """Return the speed of a gear per impulse, for its bodies alone, from the wrenches in a row of `LINK_NUMBERS`."""
     work, response, total = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS), 0.0
     for i in range(4):
-        body = geared_body(joint, i, world)
+        body = geared_body(world, joint, i)
         inverse = symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD)
         push = vector_at(work, link, j.START_WRENCHES + 6 * i)
         turn = applied(inverse, vector_at(work, link, j.START_WRENCHES + 6 * i + 3))
         for other in range(4):
-            if geared_body(joint, other, world) == body:
+            if geared_body(world, joint, other) == body:
                 total += response[body, INVERSE_LINEAR_MASS] * dot(
                     push, vector_at(work, link, j.START_WRENCHES + 6 * other)
                 )

@@ -25,7 +25,7 @@ _ALONE = 5.0
 
 
 @compiled(cached=False)
-def set_brakes(link: int, joint: int, h: float, world: int) -> None:
+def set_brakes(world: int, link: int, joint: int, h: float) -> None:
     """Set the braking of the joint of a link for the next substep, after the relaxation."""
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     force, held = (0.0, 0.0, 0.0), integers(world, JOINT)[joint, j.LOCKED]
@@ -35,21 +35,21 @@ def set_brakes(link: int, joint: int, h: float, world: int) -> None:
             force,
             times(h * links[link, j.SIGN] * numbers[joint, j.PULL + k], vector_at(numbers, joint, j.AXES + 3 * k)),
         )
-    arm = _arm(joint, 1 if links[link, j.SIGN] > 0 else 0, world)
+    arm = _arm(world, joint, 1 if links[link, j.SIGN] > 0 else 0)
     for k in range(3, 6):
         axis = vector_at(numbers, joint, j.AXES + 3 * k)
         stiffness = dot(arm, force) - dot(axis, arm) * dot(axis, force)
         turned = work[link, j.YIELD + k] * stiffness
         unresolved = turned > _RESOLVED and links[link, j.PARENT] >= 0 and not held >> k & 1
         if unresolved:
-            turned = min(turned, _most(joint, axis, times(links[link, j.SIGN], force), world) / _ALONE)
+            turned = min(turned, _most(world, joint, axis, times(links[link, j.SIGN], force)) / _ALONE)
         numbers[joint, j.BRAKE + k - 3] = (
             _BRAKING * stiffness * (1.0 - _RESOLVED / turned) if unresolved and turned > _RESOLVED else 0.0
         )
 
 
 @compiled(cached=False)
-def _arm(joint: int, side: int, world: int) -> Vector:
+def _arm(world: int, joint: int, side: int) -> Vector:
     """Return the vector from the centre of a body to its own end of a joint: the line of a rope is not part of its arm."""
     numbers = floats(world, JOINT_NUMBERS)
     if side == 1:
@@ -62,7 +62,7 @@ def _arm(joint: int, side: int, world: int) -> Vector:
 
 
 @compiled(cached=False)
-def _most(joint: int, axis: Vector, force: Vector, world: int) -> float:
+def _most(world: int, joint: int, axis: Vector, force: Vector) -> float:
     """Bound the square of the turn hw of the bodies of a joint that swing about an axis: each about its centre of mass.
 
     No mode is faster than that of one body that swings alone, since the energy of its rotation is its own, and other bodies
@@ -71,7 +71,7 @@ def _most(joint: int, axis: Vector, force: Vector, world: int) -> float:
     joints, inertia, most = integers(world, JOINT), floats(world, INERTIA), 0.0
     for side in range(2):
         body = joints[joint, j.BODY_A + side]
-        arm, pull = _arm(joint, side, world), times(1.0 if side == 1 else -1.0, force)
+        arm, pull = _arm(world, joint, side), times(1.0 if side == 1 else -1.0, force)
         seen = turned_back(quaternion_at(floats(world, POSE), body, j.ANGULAR_PART), axis)
         moment = dot(seen, applied(symmetric_at(inertia, body, BODY_INERTIA), seen))
         stiffness = 2.0 * (dot(arm, pull) - dot(axis, arm) * dot(axis, pull))

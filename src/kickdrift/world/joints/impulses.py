@@ -33,27 +33,27 @@ def warm_start_joints(t: float, h: float, world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, j.FIRST], articulations[row, j.END]):
             if links[link, j.LINK_JOINT] >= 0:
-                push_bodies(links[link, j.LINK_JOINT], numbers, links[link, j.LINK_JOINT], j.JOINT_IMPULSE, world)
+                push_bodies(world, links[link, j.LINK_JOINT], numbers, links[link, j.LINK_JOINT], j.JOINT_IMPULSE)
 
 
 @compiled(cached=False)
-def note_speeds(joint: int, world: int) -> None:
+def note_speeds(world: int, joint: int) -> None:
     """Store the speeds along axes that have laws, before the next kick."""
     axes, numbers, laws = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     if axes == 0:
         return
-    v, w = relative_velocity(joint, world)
+    v, w = relative_velocity(world, joint)
     for k in range(6):
         if axes >> k & 1:
             laws[6 * joint + k, j.START_SPEED] = dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w)
 
 
 @compiled(cached=False)
-def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> None:
+def push_bodies(world: int, joint: int, source: Any, row: int, column: int) -> None:
     """Apply six impulses along and about the axes of a joint to b, and their opposites at the same point to a."""
     joints, numbers = integers(world, JOINT), floats(world, JOINT_NUMBERS)
     if joints[joint, j.LINEAR] == j.GEARED:
-        _push_geared(joint, source[row, column + joints[joint, j.PRINCIPAL]], world)
+        _push_geared(world, joint, source[row, column + joints[joint, j.PRINCIPAL]])
         return
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(3):
@@ -62,22 +62,22 @@ def push_bodies(joint: int, source: Any, row: int, column: int, world: int) -> N
     for side in range(2):
         sign = 1.0 if side == 1 else -1.0
         turn = plus(torque, cross(vector_at(numbers, joint, j.ARM_B if side == 1 else j.ARM_A), force))
-        push_body(joints[joint, j.BODY_A + side], times(sign, force), times(sign, turn), world)
+        push_body(world, joints[joint, j.BODY_A + side], times(sign, force), times(sign, turn))
 
 
 @compiled(cached=False)
-def _push_geared(joint: int, impulse: float, world: int) -> None:
+def _push_geared(world: int, joint: int, impulse: float) -> None:
     """Apply the impulse of a gear to the bodies of its joints."""
     wrenches = carray(floats_on_stack(24), (1, 24))
-    put_wrenches(joint, 0.0, wrenches, 0, 0, world)
+    put_wrenches(world, joint, 0.0, wrenches, 0, 0)
     for i in range(4):
         push = times(impulse, vector_at(wrenches, 0, 6 * i))
         turn = times(impulse, vector_at(wrenches, 0, 6 * i + 3))
-        push_body(geared_body(joint, i, world), push, turn, world)
+        push_body(world, geared_body(world, joint, i), push, turn)
 
 
 @compiled(inline=True, cached=False)
-def push_body(body: int, push: Vector, turn: Vector, world: int) -> None:
+def push_body(world: int, body: int, push: Vector, turn: Vector) -> None:
     """Apply an impulse at the centre of mass and an angular impulse to a body."""
     motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
     turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), turn)

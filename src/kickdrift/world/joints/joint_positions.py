@@ -36,14 +36,14 @@ class Side(NamedTuple):
 
 
 @compiled
-def measure_again(joints: Any, world: int) -> None:
+def measure_again(world: int, joints: Any) -> None:
     """Measure some joints in their present poses."""
     for k in range(len(joints)):
-        measure_joint(joints[k], 0.0, world)
+        measure_joint(world, joints[k], 0.0)
 
 
 @compiled
-def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
+def shift(world: int, moved: Any, reference: int, way: Vector, pivot: Vector) -> None:
     """Shift bodies, with their velocities relative to the rotating reference unchanged."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     added = cross(vector_at(motion, reference, j.ANGULAR_PART), way)
@@ -54,7 +54,7 @@ def shift(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) ->
 
 
 @compiled
-def turn(moved: Any, reference: int, way: Vector, pivot: Vector, world: int) -> None:
+def turn(world: int, moved: Any, reference: int, way: Vector, pivot: Vector) -> None:
     """Rotate bodies about a point, together with their velocities relative to the rotating reference."""
     pose, motion = floats(world, POSE), floats(world, MOTION)
     q, x, base = exponential(way), vector_at(pose, reference, POSITION), vector_at(motion, reference, VELOCITY)
@@ -112,7 +112,7 @@ def _ready(joint: "Joint", k: int, what: str, value: float) -> tuple[int, float,
     row, tables = joint.joints.row(joint), joint.joints.tables
     _check_placeable(tables, row, k)
     side = _side_of(tables, row, f"joint={joint!r}")
-    measure_again(np.array([row]), tables.address)
+    measure_again(tables.address, np.array([row]))
     return row, joint.sign(k), side
 
 
@@ -154,8 +154,8 @@ def _put(tables: Tables, row: int, k: int, target: float, side: Side) -> None:
         (moves[joints[:, j.BODY_A]] | moves[joints[:, j.BODY_B]]) & (joints[:, j.JOINT_KIND] != j.REMOVED_JOINT)
     )
     move = shift if k < 3 else turn
-    move(side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]), tables.address)
-    measure_again(touched, tables.address)
+    move(tables.address, side.moved, side.reference, (way[0], way[1], way[2]), (pivot[0], pivot[1], pivot[2]))
+    measure_again(tables.address, touched)
 
 
 def _side_of(tables: Tables, row: int, words: str) -> Side:

@@ -50,7 +50,7 @@ def put_vector(table: Any, row: int, column: int, a: Vector) -> None:
 
 
 @compiled(inline=True, cached=False)
-def relative_velocity(joint: int, world: int) -> tuple[Vector, Vector]:
+def relative_velocity(world: int, joint: int) -> tuple[Vector, Vector]:
     """Return the velocity of b relative to a where the joint acts, m/s, and the relative angular velocity, rad/s."""
     joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
     a, b = joints[joint, j.BODY_A], joints[joint, j.BODY_B]
@@ -80,7 +80,7 @@ def unwound(angle: float, before: float) -> float:
 
 
 @compiled(inline=True, cached=False)
-def expected_angle(joint: int, k: int, h: float, world: int) -> float:
+def expected_angle(world: int, joint: int, k: int, h: float) -> float:
     """Predict the angle about an axis a time h after it was measured, from the present angular velocities, rad."""
     joints, numbers, motion = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, MOTION)
     wa = vector_at(motion, joints[joint, j.BODY_A], j.ANGULAR_PART)
@@ -94,27 +94,27 @@ def expected_angle(joint: int, k: int, h: float, world: int) -> float:
 @compiled
 def measure_joints(t: float, h: float, world: int) -> None:
     """Measure joints in the present poses, before the substeps."""
-    _measure_all(0.0, world)
+    _measure_all(world, 0.0)
 
 
 @compiled
 def follow_joints(t: float, h: float, world: int) -> None:
     """Measure joints after a drift."""
-    _measure_all(h, world)
+    _measure_all(world, h)
 
 
 @compiled(cached=False)
-def _measure_all(h: float, world: int) -> None:
+def _measure_all(world: int, h: float) -> None:
     """Measure all joints of articulations that are awake."""
     articulations, links = integers(world, ARTICULATION), integers(world, LINK)
     for row in range(rows(world, ARTICULATION)):
         for link in range(articulations[row, j.FIRST], articulations[row, j.END]):
             if links[link, j.LINK_JOINT] >= 0:
-                measure_joint(links[link, j.LINK_JOINT], h, world)
+                measure_joint(world, links[link, j.LINK_JOINT], h)
 
 
 @compiled(cached=False)
-def measure_joint(joint: int, h: float, world: int) -> None:
+def measure_joint(world: int, joint: int, h: float) -> None:
     """Compute axes, arms, positions and angles of a joint from the poses of its bodies, a time h after the last measurement.
 
     Full turns are counted with the speed in this time, as wheels at 1000 rad/s turn by more than half a turn in a substep.
@@ -146,24 +146,24 @@ def measure_joint(joint: int, h: float, world: int) -> None:
         put_vector(numbers, joint, j.JOINT_POSITION, turned_back(fa, way))
     mode = joints[joint, j.ANGULAR]
     if mode == j.UNIVERSAL:
-        _measure_universal(joint, joints[joint, j.PIVOT], fa, relative, h, world)
+        _measure_universal(world, joint, joints[joint, j.PIVOT], fa, relative, h)
     elif mode == j.SWING_TWIST:
-        _measure_cone(joint, fa, relative, world)
+        _measure_cone(world, joint, fa, relative)
     else:
         for k in range(3):
             put_vector(numbers, joint, j.AXES + 9 + 3 * k, turned(fa, axis_unit(k)))
         if mode == j.HINGE:
             k = 3 + joints[joint, j.PIVOT]
             angle = 2.0 * math.atan2(relative[k - 2], relative[0])
-            numbers[joint, j.JOINT_POSITION + k] = unwound(angle, expected_angle(joint, k, h, world))
+            numbers[joint, j.JOINT_POSITION + k] = unwound(angle, expected_angle(world, joint, k, h))
         elif mode == j.VECTOR:
             put_vector(numbers, joint, j.JOINT_POSITION + 3, rotation_vector(relative))
     if joints[joint, j.LAWS] != 0:
-        _measure_laws(joint, world)
+        _measure_laws(world, joint)
 
 
 @compiled(cached=False)
-def _measure_laws(joint: int, world: int) -> None:
+def _measure_laws(world: int, joint: int) -> None:
     """Compute the mobilities along axes that have laws, and their angles less the targets of drives.
 
     Axes that share their friction have the largest mobility of the three.
@@ -171,10 +171,10 @@ def _measure_laws(joint: int, world: int) -> None:
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     for k in range(6):
         if joints[joint, j.LAWS] >> k & 1:
-            laws[6 * joint + k, j.MOBILITY] = mobility(joint, k, world)
+            laws[6 * joint + k, j.MOBILITY] = mobility(world, joint, k)
             if k >= 3 and joints[joint, j.ANGULAR] != j.SWING_TWIST:
                 numbers[joint, j.DRIVEN + k - 3] = numbers[joint, j.JOINT_POSITION + k] - laws[6 * joint + k, j.TARGET]
-    if shares_friction(joint, world):
+    if shares_friction(world, joint):
         first, most = 6 * joint + 3, 0.0
         for row in range(first, first + 3):
             most = max(most, laws[row, j.MOBILITY])
@@ -183,7 +183,7 @@ def _measure_laws(joint: int, world: int) -> None:
 
 
 @compiled(inline=True, cached=False)
-def shares_friction(joint: int, world: int) -> bool:
+def shares_friction(world: int, joint: int) -> bool:
     """Whether a joint has dry friction as strong about any axis, of which the size is bounded, as in a ball joint."""
     joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
     row = 6 * joint + 3
@@ -214,7 +214,7 @@ def put_cross(table: Any, row: int, column: int, i: int, fa: Quaternion, second_
 
 
 @compiled(cached=False)
-def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion, h: float, world: int) -> None:
+def _measure_universal(world: int, joint: int, i: int, fa: Quaternion, relative: Quaternion, h: float) -> None:
     """Measure a universal joint: axis i is fixed in a and m in b, and b is rotated about m first, then about i."""
     numbers = floats(world, JOINT_NUMBERS)
     m, k = (i + 1) % 3, (i + 2) % 3
@@ -224,15 +224,15 @@ def _measure_universal(joint: int, i: int, fa: Quaternion, relative: Quaternion,
     p = j.JOINT_POSITION + 3
     numbers[joint, p + i] = unwound(
         math.atan2(dot(second_in_a, axis_unit(k)), dot(second_in_a, axis_unit(m))),
-        expected_angle(joint, 3 + i, h, world),
+        expected_angle(world, joint, 3 + i, h),
     )
     numbers[joint, p + m] = unwound(
-        math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), expected_angle(joint, 3 + m, h, world)
+        math.atan2(dot(first_in_b, axis_unit(k)), dot(first_in_b, axis_unit(i))), expected_angle(world, joint, 3 + m, h)
     )
 
 
 @compiled(cached=False)
-def _measure_cone(joint: int, fa: Quaternion, relative: Quaternion, world: int) -> None:
+def _measure_cone(world: int, joint: int, fa: Quaternion, relative: Quaternion) -> None:
     """Measure swing and twist: b is twisted about axis 2, which is then swung away from that of a.
 
     The rate of the swing is the angular velocity about the normal to axes 2 of a and b; that of the twist is the angular
@@ -269,7 +269,7 @@ def turning(inverse: Symmetric, turn: Vector) -> float:
 
 
 @compiled(cached=False)
-def mobility(joint: int, k: int, world: int) -> float:
+def mobility(world: int, joint: int, k: int) -> float:
     """Return the speed along an axis per unit impulse along it, for the two bodies alone."""
     joints, numbers, response = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, INVERSE_MASS)
     axis, total = vector_at(numbers, joint, j.AXES + 3 * k), 0.0

@@ -31,6 +31,6 @@ def begin_joints(t: float, h: float, world: int) -> None:
         for link in range(articulations[row, FIRST], articulations[row, END]):
             joint = links[link, LINK_JOINT]
             if joint >= 0:
-                note_speeds(joint, world)
+                note_speeds(world, joint)
                 for k in range(6):
                     numbers[joint, TOTAL + k] = 0.0

@@ -32,7 +32,7 @@ REPAIR = 3  # a change of position, as a speed, after which there is no error
 
 
 @compiled(cached=False)
-def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int) -> float:
+def write_right_hand_side(world: int, joint: int, link: int, h: float, mode: int) -> float:
     """Set the right-hand side of the axes of a joint: for locked ones the speed that corrects them, for laws zero.
 
     Returns
@@ -42,13 +42,13 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
     """
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     if integers(world, JOINT)[joint, j.LINEAR] == j.GEARED:
-        return _write_gear(joint, link, h, mode, world)
+        return _write_gear(world, joint, link, h, mode)
     locked = integers(world, JOINT)[joint, j.LOCKED]
     links[link, j.HELD_AXES] = locked
-    v, w = relative_velocity(joint, world)
-    look_here(joint, link, world)
+    v, w = relative_velocity(world, joint)
+    look_here(world, joint, link)
     if mode != RELAX:
-        _look_ahead(joint, link, h if mode == AHEAD else 0.0, world)
+        _look_ahead(world, joint, link, h if mode == AHEAD else 0.0)
     off, turned_off, per_h = 0.0, 0.0, 1.0 / h
     for k in range(6):
         speed = dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w)
@@ -81,31 +81,31 @@ def write_right_hand_side(joint: int, link: int, h: float, mode: int, world: int
 
 
 @compiled(cached=False)
-def _write_gear(joint: int, link: int, h: float, mode: int, world: int) -> float:
+def _write_gear(world: int, joint: int, link: int, h: float, mode: int) -> float:
     """Set the right-hand side of a gear; return the error that it will have, as an angle or in parts of its bodies."""
     joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     k = joints[joint, j.PRINCIPAL]
     integers(world, LINK)[link, j.HELD_AXES] = 1 << k
-    put_wrenches(joint, 0.0, work, link, j.START_WRENCHES, world)
-    wrong = put_wrenches(joint, h if mode == AHEAD else 0.0, work, link, j.AHEAD_WRENCHES, world)
+    put_wrenches(world, joint, 0.0, work, link, j.START_WRENCHES)
+    wrong = put_wrenches(world, joint, h if mode == AHEAD else 0.0, work, link, j.AHEAD_WRENCHES)
     for column in (j.RIGHT_HAND_SIDE, j.SLOPE, j.PUSH, j.AXIS_SPEED, j.LAW_STATE, j.DELTA_SPEED, j.AXIS_IMPULSE):
         for axis in range(6):
             work[link, column + axis] = 0.0
-    work[link, j.AXIS_SPEED + k] = speed_of_gear(joint, link, world)
+    work[link, j.AXIS_SPEED + k] = speed_of_gear(world, joint, link)
     work[link, j.RIGHT_HAND_SIDE + k] = -wrong / h if mode in (AHEAD, REPAIR) else -work[link, j.AXIS_SPEED + k]
     numbers[joint, j.MISALIGNMENT + k] = wrong
     if mode == RELAX:
         numbers[joint, j.JOINT_POSITION + k] = wrong
     size = 0.0
     for i in range(4):
-        size += floats(world, RESTED)[geared_body(joint, i, world), BOUNDING_RADIUS]
+        size += floats(world, RESTED)[geared_body(world, joint, i), BOUNDING_RADIUS]
     if mode != AHEAD:
         return 0.0
     return abs(wrong) if k >= 3 else abs(wrong) / size if size > 0.0 else 0.0
 
 
 @compiled(inline=True, cached=False)
-def look_here(joint: int, link: int, world: int) -> None:
+def look_here(world: int, joint: int, link: int) -> None:
     """Use the present axes and arms in place of those at the end of the substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     for k in range(18):
@@ -115,7 +115,7 @@ def look_here(joint: int, link: int, world: int) -> None:
 
 
 @compiled(cached=False)
-def _look_ahead(joint: int, link: int, h: float, world: int) -> None:
+def _look_ahead(world: int, joint: int, link: int, h: float) -> None:
     """Compute the error of locked axes at the end of the substep with the present velocities, and where they then are.
 
     One step of Newton's method from there leaves an error of the third order in h, if axes and arms are those at the end:
