@@ -32,7 +32,7 @@ def _chain(kind: str, links: int, end: float) -> Trial:
     return Trial(name, (builder.scene(),), 5.0, (keeps(0.01), apart(0.01)), looks=100)
 
 
-def _held(members: int = 6, links: int = 4, length: float = 0.3) -> Trial:
+def _held(members: int = 12, links: int = 8, length: float = 0.3) -> Trial:
     """Let the friction of ball joints hold bent chains, which it can with twice the torque that they need."""
     random, scenes = np.random.default_rng(22), []
     for _ in range(members):
@@ -44,8 +44,8 @@ def _held(members: int = 6, links: int = 4, length: float = 0.3) -> Trial:
             builder.join("ball", before, ball, at, friction=4.0 * links * GRAVITY * length)
             before, at = ball, at + way
         scenes.append(builder.scene())
-    criteria = (rests(), stays(1e-3), apart(0.01))
-    return Trial("6 chains held by friction of ball joints", tuple(scenes), 2.0, criteria)
+    criteria = (rests(), stays(0.005), apart(0.01))
+    return Trial(f"{members} chains held by friction of ball joints", tuple(scenes), 2.0, criteria)
 
 
 def _grid(size: int = 10) -> Trial:

@@ -53,9 +53,6 @@ TRIALS, HEAP_TRIALS = 20, 40
 # need more than 20, 0.4 % more than 40, and 0.2 % more than 60, for which 200 are not enough either.
 BOUNCE_FRICTION_TRIALS = 60
 
-# After so many of them friction that the axes of a ball joint share is divided no more, which makes its law convex.
-BOUNDED = 8
-
 # Largest number of iterative refinements with the same matrix, if held rows have a residual above REFINED, m/s: for islands
 # with joints, and for heaps, whose mass ratios are the worst, and which come to rest the better the smaller the residual is.
 REFINEMENTS, REFINED = 3, 1e-9
@@ -122,16 +119,14 @@ def solve_island(world: int, island: int, h: float, ahead: float, task: int, afr
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
     for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else HEAP_TRIALS if heap else TRIALS):
-        settled = (
-            review(world, island, h, task, trial == 0, afresh, trial > BOUNDED, touched, whole) and whole and trial > 0
-        )
+        settled = review(world, island, h, task, trial == 0, afresh, touched, whole) and whole and trial > 0
         if settled:
             found = left == 0 or refine(world, island, task, touched) < REFINED
             left = left if found else left - 1
             found = (not touched or bounds_hold(world, island, task)) and found
             if found:
                 break
-            settled = review(world, island, h, task, False, False, True, touched, True)
+            settled = review(world, island, h, task, False, False, touched, True)
         if not settled:
             factor_island(world, island, ahead, touched)
         predict(world, island, touched)
@@ -212,9 +207,7 @@ def assemble(world: int, island: int, ahead: float) -> None:
 
 
 @compiled(cached=False)
-def review(
-    world: int, island: int, h: float, task: int, first: bool, afresh: bool, bounded: bool, touched: bool, whole: bool
-) -> bool:
+def review(world: int, island: int, h: float, task: int, first: bool, afresh: bool, touched: bool, whole: bool) -> bool:
     """Assume the pieces of laws that the current solution implies, and return whether it was found with them."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, settled = integers(world, JOINT), True
@@ -225,5 +218,5 @@ def review(
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = update_law_states(world, joint, order[place, 0], h, task != PRESS, first, bounded) and settled
+            settled = update_law_states(world, joint, order[place, 0], h, task != PRESS, first) and settled
     return settled

@@ -23,7 +23,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied
 from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.direct.active_set import BOUNDED, TRIALS
+from kickdrift.world.direct.active_set import TRIALS
 from kickdrift.world.direct.contacts import PRESS, REST
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
 from kickdrift.world.direct.loop_closures import write_axis
@@ -130,7 +130,7 @@ def _solve(world: int, joint: int, at: int, h: float, relaxing: bool) -> None:
     responses = carray(floats_on_stack(36), (6, 6))
     _find_responses(world, joint, at, active, responses)
     for trial in range(TRIALS):
-        settled = laws == 0 or update_law_states(world, joint, at, h, relaxing, trial == 0, trial > BOUNDED)
+        settled = laws == 0 or update_law_states(world, joint, at, h, relaxing, trial == 0)
         if trial > 0 and settled:
             break
         _solve_axes(world, at, active, responses)

@@ -33,9 +33,6 @@ _RIGID = 1e6
 # lines the number is the same for bodies of any size: ropes may be wound up with it, and the speed is not kept.
 _RETURN = 5.0
 
-# Error of the direction of friction that is accepted
-_TURNED = 1e-3
-
 # Codes of pieces: upright ones, and others, which are _OPEN and three digits to the base 3
 AT_LOWER, AT_UPPER, STICKS, AT_SPEED, _OPEN = 1, 2, 3, 4, 5
 
@@ -169,37 +166,29 @@ def _friction(world: int, joint: int, link: int, k: int, h: float) -> float:
 
 
 @compiled(cached=False)
-def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool) -> bool:
-    """Share the friction of a ball joint among its axes, as it bounds the size of the torque; return whether nothing changes.
+def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool) -> None:
+    """Share the friction of a ball joint among its axes, as it bounds the size of the torque.
 
-    Like that of contacts, it acts along the impulse that would hold the joint, found with the current solution or, once it is
-    bounded, with the previous one.
+    It acts along the impulse that would hold the joint at the start of the solution. With shares that follow the solution, laws
+    are not convex: of 30 bent chains of eight balls that friction can hold 5 fall, since most solutions are not found.
     """
     work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
-    if first:
-        for k in range(3):
-            work[link, j.FRICTION_SHARE + k] = 1.0
-    if bounded or not shares_friction(world, joint):
-        return True
-    square, same = 1e-300, not first
-    for trial in range(2):
-        scale = 1.0 / math.sqrt(square)
-        for k in range(3, 6):
-            if relaxing:
-                constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
-            else:
-                constant, _, maximum = _drive_of(world, joint, k, h)
-            line = laws[6 * joint + k, j.MOBILITY] / (1.0 if first else _RIGID)
-            speed = work[link, j.AXIS_SPEED + k] + work[link, j.ACCEPTED_DELTA_SPEED + k]
-            impulse = numbers[joint, j.JOINT_IMPULSE + k] + work[link, j.LAW_BASE + k]
-            wish = impulse - speed / line - _drive(0.0, constant, 0.0, maximum)
-            if trial == 0:
-                square += wish * wish
-            else:
-                share = abs(wish) * scale
-                same = same and abs(share - work[link, j.FRICTION_SHARE + k - 3]) <= _TURNED
-                work[link, j.FRICTION_SHARE + k - 3] = share
-    return same
+    for k in range(3):
+        work[link, j.FRICTION_SHARE + k] = 1.0
+    if not shares_friction(world, joint):
+        return
+    square = 1e-300
+    for k in range(3, 6):
+        if relaxing:
+            constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
+        else:
+            constant, _, maximum = _drive_of(world, joint, k, h)
+        held = numbers[joint, j.JOINT_IMPULSE + k] - work[link, j.AXIS_SPEED + k] / laws[6 * joint + k, j.MOBILITY]
+        wish = held - _drive(0.0, constant, 0.0, maximum)
+        work[link, j.FRICTION_SHARE + k - 3] = abs(wish)
+        square += wish * wish
+    for k in range(3):
+        work[link, j.FRICTION_SHARE + k] /= math.sqrt(square)
 
 
 @compiled(cached=False)
@@ -214,14 +203,13 @@ def law_impulse(world: int, joint: int, k: int, link: int, h: float, relaxing: b
 
 
 @compiled(cached=False)
-def update_law_states(world: int, joint: int, link: int, h: float, relaxing: bool, first: bool, bounded: bool) -> bool:
-    """Assume the pieces on which the solution lies, and return whether it was found with them.
-
-    Friction that several axes share does not change once it is `bounded`.
-    """
+def update_law_states(world: int, joint: int, link: int, h: float, relaxing: bool, first: bool) -> bool:
+    """Assume the pieces on which the solution lies, and return whether it was found with them."""
     laws, numbers = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS)
     work = floats(world, LINK_NUMBERS)
-    settled = _share_friction(world, joint, link, h, relaxing, first, bounded)
+    if first:
+        _share_friction(world, joint, link, h, relaxing)
+    settled = True
     for k in range(6):
         if not laws >> k & 1:
             continue
