@@ -185,6 +185,18 @@ def _is_idle(own: Any, bound: int, reach: float) -> bool:
 
 
 @compiled(cached=False, fast=True)
+def fastest_push(world: int, island: int) -> float:
+    """Return the largest speed at which overlapping bodies of an island are to be pushed apart, m/s."""
+    own, order, most = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(world, order[k, 0])
+        for i in range(TANGENT):
+            if numbers[ACTIVE + i] != 0.0:
+                most = max(most, numbers[WANTED + i])
+    return most
+
+
+@compiled(cached=False, fast=True)
 def is_cut(world: int, island: int) -> bool:
     """Whether an island touches another one that is solved directly."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)

@@ -15,7 +15,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
-from kickdrift.world.direct.contacts import PRESS, begin_contacts, is_cut, note_impulses
+from kickdrift.world.direct.contacts import PRESS, begin_contacts, fastest_push, is_cut, note_impulses
 from kickdrift.world.direct.energy_guard import allowance
 from kickdrift.world.direct.external_energy import energy_given
 from kickdrift.world.direct.islands import direct_islands
@@ -34,7 +34,7 @@ from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
 from kickdrift.world.direct.velocities import fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.layout import LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY
-from kickdrift.world.settings import PUSH_SPEED, RESIDUAL
+from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.tables import ISLAND, KICKED, MOTION, SETTINGS, floats, integers
 
 # Newton's method stops when the joint errors, relative to the arms and times the mass ratio, are below CLOSE, with contacts
@@ -87,13 +87,13 @@ def _press(world: int, island: int, h: float) -> None:
 
     The impulses of a spurious solution may be far too large, and would throw the lightest body.
     """
-    most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + floats(world, SETTINGS)[0, PUSH_SPEED])
     for trial in range(2):
         if trial == 1:
             forget_contacts(world, island)
             note_velocities(world, island)
             note_impulses(world, island, False)
         begin_contacts(world, island, h, PRESS)
+        most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + fastest_push(world, island))
         solve(world, island, h, h, PRESS, True, True)
         if fastest(world, island, MOTION, LINEAR_PART) <= most:
             return
