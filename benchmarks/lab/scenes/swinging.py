@@ -44,7 +44,7 @@ def _held(members: int = 12, links: int = 8, length: float = 0.3) -> Trial:
             builder.join("ball", before, ball, at, friction=4.0 * links * GRAVITY * length)
             before, at = ball, at + way
         scenes.append(builder.scene())
-    criteria = (rests(), stays(0.005), apart(0.01))
+    criteria = (rests(), stays(1e-3), apart(0.01))
     return Trial(f"{members} chains held by friction of ball joints", tuple(scenes), 2.0, criteria)
 
 

@@ -169,15 +169,16 @@ def _friction(world: int, joint: int, link: int, k: int, h: float) -> float:
 def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool) -> None:
     """Share the friction of a ball joint among its axes, as it bounds the size of the torque.
 
-    It acts along the impulse that would hold the joint at the start of the solution. With shares that follow the solution, laws
-    are not convex: of 30 bent chains of eight balls that friction can hold 5 fall, since most solutions are not found.
+    It acts along the impulse that would hold the joint at the start of the solution; if there is none, as in the first substep,
+    all shares are equal. With shares that follow the solution, laws are not convex: of 30 bent chains of eight balls that
+    friction can hold 5 fall, since most solutions are not found.
     """
     work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     for k in range(3):
         work[link, j.FRICTION_SHARE + k] = 1.0
     if not shares_friction(world, joint):
         return
-    square = 1e-300
+    square = 0.0
     for k in range(3, 6):
         if relaxing:
             constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
@@ -187,8 +188,11 @@ def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool)
         wish = held - _drive(0.0, constant, 0.0, maximum)
         work[link, j.FRICTION_SHARE + k - 3] = abs(wish)
         square += wish * wish
+    size = math.sqrt(square)
     for k in range(3):
-        work[link, j.FRICTION_SHARE + k] /= math.sqrt(square)
+        work[link, j.FRICTION_SHARE + k] = (
+            work[link, j.FRICTION_SHARE + k] / size if size > 0.0 else math.sqrt(1.0 / 3.0)
+        )
 
 
 @compiled(cached=False)
