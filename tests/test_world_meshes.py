@@ -68,15 +68,15 @@ def test_a_plate_lies_on_the_tip_of_a_pyramid_with_whichever_corner_its_triangle
     assert plate.position[2] > 1.0
 
 
+@pytest.mark.parametrize("higher", [0.1, 0.0], ids=["its middle above the plate", "its middle beside it"])
 @pytest.mark.parametrize("degrees", [10, 45, 75])
-def test_a_pole_that_leans_past_the_edge_of_a_thin_plate_is_not_pushed(degrees):
+def test_a_pole_that_leans_past_the_edge_of_a_thin_plate_is_not_pushed(degrees, higher):
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.01, 0.01)])
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     world, angle = kd.World(gravity=(0, 0, 0)), math.radians(degrees)
     world.add_mesh(corners, [triangle for p, q, r, s in faces for triangle in ((p, q, r), (p, r, s))])
-    middle = np.array([0.5 + 0.06 / math.cos(angle), 0.0, 0.0]) + 0.1 * np.array(
-        [math.sin(angle), 0.0, math.cos(angle)]
-    )
+    along = np.array([math.sin(angle), 0.0, math.cos(angle)])
+    middle = np.array([0.5 + 0.06 / math.cos(angle), 0.0, 0.0]) + higher * along
     turn = (math.cos(angle / 2), 0.0, math.sin(angle / 2), 0.0)
     pole = world.add_capsule(0.03, 1.0, position=middle, orientation=turn, mass=1.0)
     world.step(1 / 60)

@@ -89,7 +89,7 @@ def triangle_capsule(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     lowest = low if rise > 0.0 else high
     edge, t, y, s = _nearest(corners, up, centre, axis, half)
     sunk = low <= high and height + lowest * rise < 0.0
-    if sunk and height > 0.0:  # unless the axis gets below the triangle beside a convex edge
+    if sunk and not low <= 0.0 <= high and abs(height) < half * abs(rise):  # unless it gets below beside a convex edge
         side, at, _ = _edge_beside(corners, up, along(centre, -height / rise, axis))
         sunk = side == _FACE or not _convex(a, side, at)
     if sunk or (edge != _FACE and not _convex(a, edge, s)):
