@@ -108,6 +108,43 @@ def test_what_is_stuck_in_a_thin_plate_is_as_deep_in_it_as_the_sets_are(first, s
         assert min(gaps) == pytest.approx(apart(points_a, points_b @ turn.T + pose[:3]), abs=2e-3)
 
 
+def thin(kind, rng):
+    """Numbers and points of a shape whose sides differ by up to a factor of thirty."""
+    a, b, c = np.exp(rng.uniform(math.log(0.05), math.log(1.5), 3))
+    if kind == HULL:
+        hull = Hull(rng.normal(size=(9, 3)) * (a, b, c))
+        return hull.numbers, hull.vertices
+    if kind == BOX:
+        return np.array([a, b, c]), CORNERS * (a, b, c)
+    upper = a if kind == CYLINDER else 0.0
+    return np.array([a, upper, b]), np.vstack((ring(a, -b), ring(upper, b) if upper else [[0.0, 0.0, b]]))
+
+
+@pytest.mark.parametrize(("first", "second"), [pair for pair in PAIRS_WITH_ROUND if pair[0] >= BOX])
+def test_deep_overlaps_are_as_deep_as_the_sets_are_and_touch_where_these_are(first, second):
+    found = 0
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        (a, points_a), (b, points_b) = thin(first, rng), thin(second, rng)
+        q = rng.normal(size=4)
+        turn = rotation_matrix(q)
+        pose = np.concatenate((0.2 * rng.normal(size=3), q / np.linalg.norm(q)))
+        at = points_b @ turn.T + pose[:3]
+        depth = -apart(points_a, at)
+        if depth < 0.02:
+            continue
+        manifold = np.zeros(64)
+        count = count_contacts((first, second), a, b, pose, 0.02, manifold)
+        rows = manifold[8:40].reshape(4, 8)[:count]
+        gaps = [manifold[:3] @ (turn @ row[3:6] + pose[:3] - row[:3]) for row in rows]
+        assert -min(gaps) == pytest.approx(depth, abs=4e-3, rel=0.06)
+        deepest = rows[np.argmin(gaps)]
+        for x, points in ((deepest[:3], points_a), (turn @ deepest[3:6] + pose[:3], at)):
+            assert (ConvexHull(points).equations @ (*x, 1.0)).max() < 8e-3
+        found += 1
+    assert found > 8
+
+
 @pytest.mark.parametrize("kind", ROUND)
 def test_a_triangle_is_touched_as_the_box_under_it(kind):
     rng = np.random.default_rng(kind)
@@ -382,3 +419,39 @@ def test_the_base_of_a_cone_is_found_before_it_lies_on_the_middle_of_a_side():
         box, cone, manifold = np.array([side, 1.4, 0.4]), np.array([0.06, 0.0, half]), np.zeros(64)
         assert count_contacts((BOX, CONE), box, cone, pose, 0.02, manifold) == 4
         assert manifold[:3] == pytest.approx((1.0, 0.0, 0.0))
+
+
+def test_a_rod_that_has_passed_through_the_middle_of_a_can_comes_out():
+    """The way out is along the normal of both axes: by their rims the direction turned over from step to step."""
+    turn = np.array((-0.4009, -0.13675, 0.60919, 0.67042))
+    world = kd.World(gravity=(0, 0, 0))
+    rod = world.add_cylinder(0.0574, 2.5929, mass=1.0)
+    place = (-0.0102, 0.0107, -0.008)
+    can = world.add_cylinder(0.185, 0.4072, position=place, orientation=turn / np.linalg.norm(turn), mass=1.0)
+    world.advance(STEP, 300)
+    rod_at, can_at = (
+        np.vstack((ring(r, -h), ring(r, h))) @ rotation_matrix(body.orientation).T + body.position
+        for body, r, h in ((rod, 0.0574, 1.29645), (can, 0.185, 0.2036))
+    )
+    assert apart(rod_at, can_at) > -2e-3
+
+
+def test_a_needle_through_a_plate_is_found():
+    """No edge of the plate is near it, and where its tip is, there is no face beside it."""
+    turn = np.array((-0.08229, 0.81661, -0.45959, 0.33935))
+    pose = np.concatenate(((0.13172, 0.06541, -0.14768), turn / np.linalg.norm(turn)))
+    plate, needle = np.array([0.414145, 0.103805, 1.27099]), np.array([0.05043, 0.0, 0.962465])
+    manifold, m = np.zeros(64), rotation_matrix(pose[3:])
+    assert count_contacts((BOX, CONE), plate, needle, pose, 0.02, manifold) == 1
+    points = np.vstack((ring(0.05043, -0.962465), [(0.0, 0.0, 0.962465)])) @ m.T + pose[:3]
+    gap = manifold[:3] @ (m @ manifold[11:14] + pose[:3] - manifold[8:11])
+    assert gap == pytest.approx(apart(CORNERS * plate, points), rel=0.02)
+
+
+def test_a_small_cylinder_in_the_side_of_a_wide_one_is_not_pushed_along_its_axis():
+    turn = np.array((0.706987, 0.000273, 0.707225, 0.001435))
+    pose = np.concatenate(((0.483964, -1.272786, 0.161384), turn / np.linalg.norm(turn)))
+    wide, small = np.array([1.275277, 1.275277, 0.358564]), np.array([0.074579, 0.074579, 0.093716])
+    manifold = np.zeros(64)
+    assert count_contacts((CYLINDER, CYLINDER), wide, small, pose, 0.02, manifold) > 0
+    assert manifold[:3] == pytest.approx((0.31, -0.951, 0.0), abs=2e-3)

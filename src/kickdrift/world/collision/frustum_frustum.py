@@ -9,7 +9,8 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, dot, length, times
-from kickdrift.world.collision.face_preference import SHARE_OFF
+from kickdrift.world.collision.deep_overlap import DEEP, is_off, overlap_of_frusta, put_overlap
+from kickdrift.world.collision.face_preference import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
 from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
 from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction
@@ -47,12 +48,7 @@ _OTHER_WAY = 1 << 24  # added to features if the second frustum is the polyhedro
 
 @compiled
 def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
-    """Find the contact points of two frusta; see `kickdrift.world.collision`.
-
-    The first is approximated by a polyhedron. If they overlap at a rim of the second, the direction of smallest penetration may
-    be a normal of the first: then, and where the point is not on the second, the second is approximated as well, and the better
-    of both contacts is used.
-    """
+    """Find the contact points of two frusta; see `kickdrift.world.collision`."""
     f, g = frustum_of(a), frustum_of(b)
     frame, back = floats_on_stack(12), floats_on_stack(12)
     set_frame(frame, pose)
@@ -60,6 +56,31 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
     size = length((pose[0], pose[1], pose[2]))
     if size > 0.0 and _gap(f, g, back, (pose[0] / size, pose[1] / size, pose[2] / size)) > margin:
         return 0
+    count = _touching(f, g, frame, back, margin, manifold)
+    if count == 0:
+        return 0
+    gap, tolerance = _gap(f, g, back, _normal(manifold)), tolerance_of(margin, min(_thickness(f), _thickness(g)))
+    misses = count == 1 and (is_off(f, manifold, ON_A, tolerance) or is_off(g, manifold, ON_B, tolerance))
+    if gap < -DEEP * tolerance or (misses and gap < 0.0):
+        depth, normal, x = overlap_of_frusta(f, back, g)
+        if depth > 0.0 and (misses or -depth > gap + SHARE_OFF * abs(gap) + tolerance):
+            return put_overlap(depth, normal, x, back, manifold)
+    return count
+
+
+@compiled(inline=True)
+def _thickness(f: Frustum) -> float:
+    return min(f[2], max(f[0], f[1]))
+
+
+@compiled
+def _touching(f: Frustum, g: Frustum, frame: Any, back: Any, margin: float, manifold: Any) -> int:
+    """Find the contact points by the features that touch.
+
+    The first is approximated by a polyhedron. If they overlap at a rim of the second, the direction of smallest penetration may
+    be a normal of the first: then, and where the point is not on the second, the second is approximated as well, and the better
+    of both contacts is used.
+    """
     count = _as_polyhedron(f, g, back, margin, manifold)
     if count > 1 or (count == 1 and not _is_doubtful(g, manifold, _gap(f, g, back, _normal(manifold)))):
         return count
@@ -166,4 +187,4 @@ def _set_frustum(body: Any, g: Frustum, x: float, y: float) -> None:
         normal = (2.0 * half * (x * u - y * v) / size, 2.0 * half * (y * u + x * v) / size, flat / size)
         body[at], body[at + 1], body[at + 2] = normal
         body[at + 3] = dot(normal, vertex(body, k))
-    body[THICKNESS] = min(half, max(lower, upper))
+    body[THICKNESS] = _thickness(g)

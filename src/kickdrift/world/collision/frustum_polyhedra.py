@@ -12,12 +12,14 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
+from kickdrift.world.collision.deep_overlap import DEEP, is_off, overlap_of_polyhedron, put_overlap
 from kickdrift.world.collision.face_preference import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.frustum_faces import lie_on_face, stand_on_end, touch_edge
 from kickdrift.world.collision.polyhedra_faces import PLACED, lowest, place_polyhedron
 from kickdrift.world.collision.shape_frames import set_frame_back
+from kickdrift.world.contacts.layout import ON_B
 from kickdrift.world.shapes.closest_points import along
-from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest, radial, signed_distance
+from kickdrift.world.shapes.frustum import Frustum, deepest, farthest, frustum_of, highest, signed_distance
 from kickdrift.world.shapes.polyhedron import (
     EDGES,
     FACES,
@@ -96,35 +98,41 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
     number, t, normal, gap_edge = _NONE, 0.0, below, -np.inf
     if not (_is_end_best(f, upper, corner, gap_end) if gap_end > gap_face else _is_face_best(f, body, seen, face)):
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
-        if gap_edge > margin or (number == _NONE and not _is_inside(seen, _point_on_face(f, seen, face))):
+        if gap_edge > margin or (number == _NONE and not _meets_face(f, seen, face, flat < 0.0)):
             return 0
     best = max(flat, gap_edge)
     tolerance = tolerance_of(margin, min(body[THICKNESS], min(f[2], max(f[0], f[1]))))
+    depth, way, x = 0.0, normal, corner
+    if near == 0 and best < -DEEP * tolerance:
+        depth, way, x = overlap_of_polyhedron(seen, frame, f)
+        best = max(best, -depth)
     off = SHARE_OFF * abs(best) + tolerance
     for attempt in range(2):
         on_face = (gap_face + tolerance >= gap_end) != (attempt == 1)
         if (gap_face if on_face else gap_end) < best - off:
             continue
         if on_face:
-            count, depth = lie_on_face(f, body, seen, face, tolerance, margin, frame, manifold)
+            count, lowest_gap = lie_on_face(f, body, seen, face, tolerance, margin, frame, manifold)
         else:
-            count, depth = stand_on_end(f, upper, body, seen, tolerance, margin, frame, manifold)
-        if count > 0 and abs(depth - best) <= off:
+            count, lowest_gap = stand_on_end(f, upper, body, seen, tolerance, margin, frame, manifold)
+        if count > 0 and abs(lowest_gap - best) <= off:
             return count
-    if number == _NONE:
+    if number == _NONE and depth == 0.0:
         number, t, normal, gap_edge = _edge_farthest(f, body, seen, near, margin)
-        if number == _NONE:
-            return 0
-    lower = vertex(seen, support(seen, times(-1.0, normal)))
-    low = dot(normal, lower) + tolerance
+    if depth > 0.0 and gap_edge < best - off:
+        return put_overlap(depth, way, x, frame, manifold)
+    if number == _NONE:
+        return 0
     begin, last, _, _ = edge(body, number)
-    p, q = vertex(seen, begin), vertex(seen, last)
-    if dot(normal, along(p, t, minus(q, p))) > low:  # in deep overlap another edge or corner may be the deepest
-        other, t = _deepest_below(f, body, seen, near, normal, low)
-        begin, last, _, _ = edge(body, max(other, 0))
-        p, q = (lower, lower) if other == _NONE else (vertex(seen, begin), vertex(seen, last))
-        number = number if other == _NONE else other
-    return touch_edge(f, p, q, number, t, normal, margin, frame, manifold)
+    p, q, lower = vertex(seen, begin), vertex(seen, last), vertex(seen, support(seen, times(-1.0, normal)))
+    if dot(normal, along(p, t, minus(q, p))) > dot(normal, lower) + tolerance:
+        p = q = lower
+    count = touch_edge(f, p, q, number, t, normal, margin, frame, manifold)
+    if near != 0 or count > 1 or (count == 1 and not is_off(f, manifold, ON_B, tolerance)):
+        return count
+    if depth == 0.0:  # a point of another edge touches
+        depth, way, x = overlap_of_polyhedron(seen, frame, f)
+    return put_overlap(depth, way, x, frame, manifold) if depth > 0.0 else count
 
 
 @compiled
@@ -175,56 +183,25 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
 
 
 @compiled
-def _deepest_below(f: Frustum, body: Any, seen: Any, near: int, normal: Vector, height: float) -> tuple[int, float]:
-    """Find the edge that is deepest in the frustum at a point below a height along a normal; `_NONE` without any.
+def _meets_face(f: Frustum, seen: Any, face: int, in_any: bool) -> bool:
+    """Whether a frustum that no edge touches is above or in the best face of a polyhedron, in any face, or inside.
 
-    Returns
-    -------
-    number, t
-        The edge, among those that `_edge_farthest` considers, and its deepest point as a fraction of it.
+    Its section with the plane of a face, or what of it is nearest to the plane, is inside the face then or beside it.
     """
-    number, share, least = _NONE, 0.0, np.inf
-    for k in range(int(body[EDGES])):
-        begin, end, _, _ = edge(body, k)
-        if near > 0 and ((begin + 1) % near > 2 or (end + 1) % near > 2):
-            continue
-        p, q = vertex(seen, begin), vertex(seen, end)
-        t, _ = deepest(f, p, q)
-        x = along(p, t, minus(q, p))
-        distance, _ = signed_distance(f, x)
-        if distance < least and dot(normal, x) <= height:
-            number, share, least = k, t, distance
-    return number, share
-
-
-@compiled(inline=True)
-def _lowest_point(f: Frustum, seen: Any, face: int) -> Vector:
-    """Return the support point of a frustum against the normal of a face."""
-    normal, _ = plane(seen, face)
-    return _lowest_point_along(f, normal)
-
-
-@compiled(inline=True)
-def _lowest_point_along(f: Frustum, n: Vector) -> Vector:
-    """Return the support point of a frustum against a direction."""
-    sine, x, y = radial(-n[0], -n[1])
-    if f[1] * sine - f[2] * n[2] >= f[0] * sine + f[2] * n[2]:
-        return (f[1] * x, f[1] * y, f[2])
-    return (f[0] * x, f[0] * y, -f[2])
-
-
-@compiled
-def _point_on_face(f: Frustum, seen: Any, face: int) -> Vector:
-    """Return a point of a frustum in the plane of a face; the lowest one if all of it is below, or its foot if it is above.
-
-    If no edge touches the frustum, its section with the plane, or what is nearest to it, is inside the face or beside it.
-    """
-    normal, offset = plane(seen, face)
-    low, up = _lowest_point(f, seen, face), _lowest_point_along(f, times(-1.0, normal))
-    bottom, top = dot(normal, low) - offset, dot(normal, up) - offset
-    if bottom >= 0.0:
-        return along(low, -bottom, normal)
-    return along(low, -bottom / (top - bottom), minus(up, low)) if top > 0.0 else low
+    first, last = (0, int(seen[FACES])) if in_any else (face, face + 1)
+    for k in range(first, last):
+        normal, offset = plane(seen, k)
+        p = farthest(
+            f, normal if offset > 0.0 else times(-1.0, normal)
+        )  # beyond the plane, seen from the middle, if any is
+        height = dot(normal, p) - offset
+        if height * -offset < 0.0:
+            p = times(offset / (height + offset), p)
+        elif height > 0.0:
+            p = along(p, -height, normal)
+        if _is_inside(seen, p):
+            return True
+    return False
 
 
 @compiled
@@ -243,8 +220,8 @@ def _is_face_best(f: Frustum, body: Any, seen: Any, face: int) -> bool:
 
     Sufficient: the support point of the frustum is above the face or, inside the polyhedron, closer to it than to other faces.
     """
-    p = _lowest_point(f, seen, face)
     normal, offset = plane(seen, face)
+    p = farthest(f, times(-1.0, normal))
     height = dot(normal, p) - offset
     if height <= 0.0:
         for k in range(int(body[FACES])):

@@ -46,6 +46,16 @@ def highest(frustum: Frustum, n: Vector) -> float:
     return max(upper * across + half * n[2], lower * across - half * n[2])
 
 
+@compiled(inline=True)
+def farthest(frustum: Frustum, n: Vector) -> Vector:
+    """Return the support point: a point with the largest n . x, on the upper rim if both rims have one."""
+    lower, upper, half = frustum
+    sine, x, y = radial(n[0], n[1])
+    if upper * sine + half * n[2] >= lower * sine - half * n[2]:
+        return (upper * x, upper * y, half)
+    return (lower * x, lower * y, -half)
+
+
 @compiled
 def signed_distance(frustum: Frustum, p: Vector) -> tuple[float, Vector]:
     """Return the distance of a point from the surface, negative inside, and the outward normal at the nearest point.
