@@ -50,7 +50,7 @@ def _vector(numbers: Any, at: int) -> Vector:
 
 @compiled(inline=True)
 def is_off(f: Frustum, manifold: Any, on: int, tolerance: float) -> bool:
-    """Whether the first contact point of a manifold, on the shape with this offset, is not on the frustum that it is."""
+    """Whether the first contact point of a frustum is outside it; `on` is `ON_A` or `ON_B`, its place in the manifold."""
     distance, _ = signed_distance(f, _vector(manifold, POINT + on))
     return bool(distance > tolerance)
 
