@@ -95,7 +95,7 @@ _TRIES = 2  # times that a step, or a part of one, is repeated before it is halv
 def find_missed(t: float, h: float, world: int) -> None:
     """Request that the step is repeated if it has missed a contact."""
     search, status, settings = integers(world, SEARCH), integers(world, STEP_STATUS), floats(world, SETTINGS)
-    off = _find_errors(h, world)
+    off = _find_errors(world, h)
     size = rows(world, SHAPE) + rows(world, TRIANGLE_TREE) + 2
     if room(world, SCRATCH) < size:
         ask_for_room(world, SCRATCH, size)
@@ -104,7 +104,7 @@ def find_missed(t: float, h: float, world: int) -> None:
     if missed < 0:
         return
     # A repetition keeps the points that contacts have, and with them their normals.
-    if not aside and search[0, TRIES] < _TRIES and _note_paths(h, world):
+    if not aside and search[0, TRIES] < _TRIES and _note_paths(world, h):
         search[0, TRIES] += 1
         if status[0, STATUS] == OK:
             status[0, STATUS] = BEGIN_AGAIN
@@ -118,12 +118,12 @@ def find_missed(t: float, h: float, world: int) -> None:
 
 
 @compiled
-def _note_paths(h: float, world: int) -> bool:
+def _note_paths(world: int, h: float) -> bool:
     """Note the motion of bodies that left their expected paths; return whether any has moved otherwise than before."""
     predicted, news = floats(world, PREDICTED), False
     for body in range(rows(world, BODY)):
         if predicted[body, POSITION_ERROR] > 0.0 or predicted[body, TURN_ERROR] > 0.0:
-            news = note_path(h, world, body) or news
+            news = note_path(world, h, body) or news
     return news
 
 
@@ -136,7 +136,7 @@ def drop_paths(t: float, h: float, world: int) -> None:
 
 
 @compiled
-def _find_errors(h: float, world: int) -> bool:
+def _find_errors(world: int, h: float) -> bool:
     """Note the distances of bodies from their expected paths; return whether any exceeds the margin of the search."""
     body, predicted, found = integers(world, BODY), floats(world, PREDICTED), False
     margin = floats(world, SETTINGS)[0, MARGIN]
@@ -144,7 +144,7 @@ def _find_errors(h: float, world: int) -> bool:
         predicted[row, TURN_ERROR] = 0.0
         if body[row, BODY_KIND] != DYNAMIC or body[row, AWAKE] == 0:
             continue
-        off, farther = path_error(world, row), turn_error(h, world, row)
+        off, farther = path_error(world, row), turn_error(world, h, row)
         # Smaller differences may be rounding, or the curvature of the path.
         predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
         predicted[row, TURN_ERROR] = farther

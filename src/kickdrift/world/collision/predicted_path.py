@@ -103,7 +103,7 @@ def way_on_path(world: int, body: int) -> float:
 
 
 @compiled
-def note_path(h: float, world: int, body: int) -> bool:
+def note_path(world: int, h: float, body: int) -> bool:
     """Note the motion of a body in an attempt at a step that will be repeated; return whether it differs from the last one."""
     pose, motion, predicted = floats(world, POSE), floats(world, MOTION), floats(world, PREDICTED)
     news: bool = predicted[body, HAS_CHANGE] == 0.0
@@ -198,7 +198,7 @@ def end_error(world: int, body: int) -> Vector:
 
 
 @compiled
-def turn_error(h: float, world: int, body: int) -> float:
+def turn_error(world: int, h: float, body: int) -> float:
     """Return by how much a body has turned farther than was expected, rad."""
     turn = length(vector_at(floats(world, DELTA_POSE), body, 3))
     most = length(vector_at(floats(world, STARTED_MOTION), body, 3)) + h * length(angular_acceleration(world, body))
