@@ -35,10 +35,12 @@ def test_types_come_from_no_floor_above_either():
     for floor in height:
         for path in (ROOT / "src" / Path(*floor.split("."))).rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text())):
-                if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("kickdrift."):
-                    other = ".".join(node.module.split(".")[:2])
-                    if height.get(other, -100) > height[floor]:
-                        upwards.append((path.name, node.module))
+                if isinstance(node, ast.ImportFrom) and node.module:
+                    taken = [f"{node.module}.{alias.name}" for alias in node.names]
+                else:
+                    taken = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+                others = {".".join(name.split(".")[:2]) for name in taken}
+                upwards += [(path.name, other) for other in others if height.get(other, -100) > height[floor]]
     assert upwards == []
 
 

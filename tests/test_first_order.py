@@ -177,6 +177,9 @@ def test_an_equation_without_a_solution_ends_the_run_with_a_sentence():
         assert s.x.tolist() == [[1.0]]
         assert "t=0.0, after 0 of 2 steps. The residual was" in s.message
         assert s.message.endswith("Try a smaller step; where the force jumps, give switches.")
+        s = kd.solve(step=0.4, method=method, switches=lambda y: y - 9.0, **given)
+        assert s.status is kd.Outcome.NOT_CONVERGED
+        assert s.message.endswith("Try a smaller step.")
         assert kd.solve(step=0.01, method=method, **given).success
 
 

@@ -99,3 +99,18 @@ def test_rows_do_not_depend_on_chunks_of_events(tmp_path):
         kept = bounced(speed, checkpoint=tmp_path / f"{every}", checkpoint_every=every)
         assert kept.t_events[0].tobytes() == whole.t_events[0].tobytes()
         assert kept.v_events[0].tobytes() == whole.v_events[0].tobytes()
+
+
+@pytest.mark.parametrize("compile_", [True, False])
+def test_an_event_that_raises_at_an_impact_ends_the_run(compile_):
+    def low(x, v):
+        if x[1] < 1e-9 and v[1] < 0.0:
+            raise ValueError("too low")
+        return x[1] - 0.5
+
+    sol = kd.solve(
+        lambda x: np.array([0.0, -9.81]), (0.0, 1.0), [0.0, 1.0], [0.0, 0.0], step=0.01,
+        impacts=lambda x: x[1], events=low, compile=compile_, progress=False,
+    )  # fmt: skip
+    assert sol.status is kd.Outcome.FAILED
+    assert "low, raised ValueError at t=0.446" in sol.message

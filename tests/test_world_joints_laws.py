@@ -375,3 +375,22 @@ def test_linked_balls_that_a_bat_strikes_leave_it_by_newtons_rule(joint, restitu
     bat.velocity = (0, 0, 10.0)
     world.advance(STEP, 10)
     assert balls[0].velocity[2] == pytest.approx(10 + restitution * (10 - speed), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13, 17, 25])
+def test_friction_of_ball_joints_holds_bent_chains_from_the_first_step(seed):
+    random, world, before, at = np.random.default_rng(seed), World(), None, np.zeros(3)
+    balls, places = [], []
+    for _ in range(8):
+        way = random.normal((1.0, 0.0, 0.0))
+        way *= 0.3 / np.linalg.norm(way)
+        ball = world.add_sphere(0.1, position=at + way / 2, mass=1.0, collides_with=())
+        world.add_ball_joint(before, ball, anchor=at, friction=32 * 9.81 * 0.3)
+        balls, places, before, at = [*balls, ball], [*places, at + way / 2], ball, at + way
+    needed = np.linalg.norm(np.cross(places, (0, 0, -9.81)).sum(axis=0))
+    assert needed < 0.75 * 32 * 9.81 * 0.3
+
+    world.advance(1 / 60, 120)
+
+    assert abs([ball.position for ball in balls] - np.array(places)).max() < 1e-3
+    assert abs(world.velocity).max() < 1e-9

@@ -889,11 +889,13 @@ def test_a_snapshot_before_the_first_step_of_a_new_joint_changes_no_bits():
     ends = []
     for looks in (False, True):
         world = kd.World()
-        ball = world.add_sphere(0.1, mass=1.0, position=(1, 0, 0))
+        ball, other = (world.add_sphere(0.1, mass=1.0, position=(x, 0, 0)) for x in (1.0, 1.15))
         world.advance(1 / 60, 5)
         world.add_hinge(None, ball, anchor=(0, 0, 0), axis=(0, 1, 0))
+        world.add_ball_joint(ball, other, anchor=other.position)  # they overlap, and are parted
         if looks:
             world.snapshot()
         world.advance(1 / 60, 5)
         ends.append(world.position[ball.index].tobytes())
+        assert not world.touching
     assert ends[0] == ends[1]

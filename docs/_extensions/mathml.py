@@ -23,6 +23,8 @@ _REPAIRS = (
 
 def mathml(formula: str, display: str = "inline") -> str:
     """Return a formula of LaTeX as MathML."""
+    if formula.count("|") % 2 or r"\|" in formula:
+        raise ValueError(f"the bars of {formula!r} do not come in pairs; write \\lvert and \\rvert.")
     formula = re.sub(r"\|([^|]+)\|", r"\\left|\1\\right|", formula)  # bars as brackets, without space inside
     result = convert(formula, display=display)
     for pattern, repaired in _REPAIRS:

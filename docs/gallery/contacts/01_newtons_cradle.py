@@ -26,9 +26,8 @@ fig, ax = plt.subplots(figsize=(7.5, 3.8))
 for number, ball in enumerate(balls):
     x, y, z = recording.x[:, ball.index].T
     angle = np.degrees(np.arctan2(x - 0.1 * (number - 2), 1 - z))
-    ax.plot(
-        recording.t, angle, linewidth=8 - 1.7 * number, label=f"ball {number + 1}"
-    )  # those that move together are seen
+    # Wide lines below thin ones: balls that move together are both seen.
+    ax.plot(recording.t, angle, linewidth=8 - 1.7 * number, label=f"ball {number + 1}")
 ax.set(xlabel="time (s)", ylabel="angle (degrees)")
 ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=8)
 last = recording.x[:, balls[-1].index, 0] - 0.2

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 _HUGE_PAGES = getattr(mmap, "MADV_HUGEPAGE", None)  # Linux
-_HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # size of such a page, and of the smallest table that is placed there, bytes
+_HUGE_PAGE, _LARGE = 1 << 21, 1 << 19  # size of such a page, and of the smallest array that is placed there, bytes
 
 
 def aligned_zeros(count: int, width: int, dtype: Any) -> NDArray[Any]:
-    """Return zeros, (count, width), aligned to a cache line; large tables lie on huge pages, if the system has them.
+    """Return zeros of eight bytes, (count, width), aligned to a cache line; many of them lie on huge pages, if there are any.
 
-    Rows are read in random order: with 10,000 bodies, whose tables span thousands of normal pages, a step takes a tenth longer
-    without them.
+    Rows of worlds are read in random order: with 10,000 bodies, which span thousands of normal pages, a step takes a tenth
+    longer without them.
     """
     size = count * width
     if _HUGE_PAGES is not None and 8 * size >= _LARGE:

@@ -20,7 +20,7 @@ class Outcome(Enum):
     STOPPED = "A terminal event ended the run."
     INTERRUPTED = "Interrupted by the user; everything up to the interruption is kept."
     NOT_FINITE = "The state became infinite or not a number; the solution ends with the last good state."
-    FAILED = "A function raised an error; the solution ends with the last good state."
+    FAILED = "A function raised an error or returned NaN; the solution ends with the last good state."
     NOT_WRITTEN = "The output could not be written; the run ends there, and what was written before is intact."
     NO_STEP = "No valid size was found for the next step."
     STEP_LIMIT = "As many steps as max_steps were taken before the end of t_span; everything up to there is kept."

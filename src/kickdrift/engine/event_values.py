@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 def values_of(quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats) -> Floats:
-    """Evaluate a function of the state; from the first state on at which it raises, its values are NaN."""
+    """Evaluate a function of the state; where it raises, its value is NaN, and of a compiled one all later values are."""
     try:
         return evaluate_quantity(quantity, system, t, x, v)
     except Exception:  # compiled code does not tell at which state
@@ -36,9 +36,12 @@ def cause_of_nan(event: Event, system: System, row: int, t: Floats, x: Floats, v
             evaluate_quantity(quantity, system, *(each[row : row + 1] for each in (t, x, v)))
         else:
             params = system.params if quantity.params is None else quantity.params
-            call_interpreted(quantity.function, (t[row], x[row].reshape(-1), v[row].reshape(-1), params, np.zeros(1)))
+            with np.errstate(all="ignore"):
+                call_interpreted(
+                    quantity.function, (t[row], x[row].reshape(-1), v[row].reshape(-1), params, np.zeros(1))
+                )
     except Exception as error:
-        return f"{event.name}, raised {type(error).__name__} {at}: {error}"
+        return f"{event.name}, raised {type(error).__name__} {at}" + (f": {error}" if str(error) else "")
     return f"{event.name}, returned NaN {at}"
 
 

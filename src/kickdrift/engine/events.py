@@ -164,6 +164,12 @@ class Watch:
     def _values(self, event: int, t: Floats, x: Floats, v: Floats) -> Floats:
         return values_of(self.events[event].quantity, self._system, t, x, v)
 
+    def _all_values(self, event: int, t: Floats, x: Floats, v: Floats) -> Floats:
+        values = self._values(event, t, x, v)
+        if (bad := np.isnan(values)).any():
+            raise KickdriftError(cause_of_nan(self.events[event], self._system, int(np.argmax(bad)), t, x, v))
+        return values
+
     def _note(self, event: int, brackets: Brackets) -> None:
         """Keep brackets: those of zeros that may end the run until the end of the look, and the others until later."""
         if brackets.t.size:
@@ -202,8 +208,8 @@ class Watch:
     def _strike(self, event: int, at: Strikes, steps: Brackets, after: Floats) -> None:
         """Note the zeros of an event in steps that end with impacts, and in these: the states are those after them."""
         assert self._surfaces is not None
-        ask = partial(self._values, event)
-        before = self._surfaces.rounded(ask, ask(at.t, at.x, at.v), at.t, at.x, at.v)
+        before = self._all_values(event, at.t, at.x, at.v)
+        before = self._surfaces.rounded(partial(self._values, event), before, at.t, at.x, at.v)
         steps = steps.part(at.steps)._replace(last=before)
         hops = np.flatnonzero((steps.first == 0.0) & (before == 0.0))
         if hops.size:  # from an impact to the next in one step
@@ -254,10 +260,7 @@ class Watch:
         x, v, evaluations = self._processing.go_on(at.t, size, np.ones(at.t.size, dtype=np.int64), at.x, at.v)
         self.evaluations += int(evaluations.sum())
         t = at.t + size
-        values = self._values(event, t, x, v)
-        if (bad := np.isnan(values)).any():
-            raise KickdriftError(cause_of_nan(self.events[event], self._system, int(np.argmax(bad)), t, x, v))
-        return t, x, v, values, evaluations
+        return t, x, v, self._all_values(event, t, x, v), evaluations
 
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
         """Return the parts of steps with a zero in the wanted direction; steps are halved where two zeros may hide."""

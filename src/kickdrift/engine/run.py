@@ -236,8 +236,8 @@ class Run:
             t = self.rows.time(good.step) if self._stop is None else self._stop.t
             message = ended_early(outcome, t, self.rows.steps_of(good.step), cause)
         if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == NO_STEP[FAILED_CONTROL]:
-            jumps = "; where the force jumps, give switches" if outcome is Outcome.NOT_CONVERGED else ""
-            message += f" Try a smaller step{jumps}."
+            equal = outcome is Outcome.NOT_CONVERGED and not isinstance(self.rows.grid, Course)
+            message += f" Try a smaller step{'; where the force jumps, give switches' if equal else ''}."
         evaluations = good.mark.trials * program.evaluations
         evaluations += sum(FLOWS[name].evaluations for name in program.primers) + int(self._state.work[EVALUATIONS])
         work, size = self._state.work, self._state.x.size

@@ -19,6 +19,7 @@ from kickdrift.world.bodies.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.cloth.building import MET_AS
 from kickdrift.world.cloth.layout import CLOTH_GENERATION, DIMENSION
 from kickdrift.world.cloth.wind_functions import force_or_wind_of
+from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.integrity import check
 from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import arrange
@@ -167,6 +168,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
     check(kept(of))
     linked, brakes = of.array(LINK_NUMBERS).copy(), of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3].copy()
     arrange(of)
+    part_joined(of)
     if len(linked) < of.count(LINK_NUMBERS):
         raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are joints")
     of.array(LINK_NUMBERS)[:] = linked[: of.count(LINK_NUMBERS)]

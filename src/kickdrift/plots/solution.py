@@ -56,6 +56,7 @@ def plot_solution(solution: Solution, path: str | Path | None = None, *, ax: "Ax
         check_axes(ax)
         (bodies,) = trajectory.panels(solution, split=False)
         _draw_trajectory(ax, bodies, solution, "trajectory")
+        ax.figure.canvas.figure.draw_without_rendering()  # places of names depend on the layout
         _write_names(ax, bodies)
         return keep(ax.figure, path)  # type: ignore[arg-type]  # or a part of a figure
     about, parts = solution.about, trajectory.panels(solution)

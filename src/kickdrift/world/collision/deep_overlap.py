@@ -19,9 +19,8 @@ from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, farthest, signed_distance
 from kickdrift.world.shapes.polyhedron import support, vertex
 
-DEEP = (
-    8.0  # of the tolerance of depths: an overlap beyond which the features that touch may be far from where they enter
-)
+# Of the tolerance of depths: an overlap beyond which the features that touch may be far from where they enter.
+DEEP = 8.0
 
 _EXACT = 1e-3  # of the depth
 _CORNERS = 96
@@ -186,9 +185,9 @@ def _expand(faces: Any, count: int, corners: Any, number: int, middle: Vector) -
         count -= 1
         for i in range(_FACE):
             faces[at + i] = faces[_FACE * count + i]
-    for edge in range(
-        min(edges, _FACES - count)
-    ):  # rounding may add edges to the outline of a face that is nearly flat
+    # Rounding may add edges to the outline of a face that is nearly flat. Where they are too many, the polytope stays open, and
+    # the depth is a bound from above, as in every round.
+    for edge in range(min(edges, _FACES - count)):
         _put_face(faces, count, corners, int(outline[2 * edge]), int(outline[2 * edge + 1]), number, middle)
         count += 1
     return count

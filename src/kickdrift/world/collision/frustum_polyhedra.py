@@ -185,16 +185,16 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
 
 @compiled
 def _meets_face(f: Frustum, seen: Any, face: int, in_any: bool) -> bool:
-    """Whether a frustum that no edge touches is above or in the best face of a polyhedron, in any face, or inside.
+    """Whether a frustum that no edge touches is above or in a face of a polyhedron: the best one, or any of them if `in_any`.
 
-    Its section with the plane of a face, or what of it is nearest to the plane, is inside the face then or beside it.
+    A frustum that is wholly inside counts. Its section with the plane of a face, or what of it is nearest to the plane, is
+    inside the face then or beside it.
     """
     first, last = (0, int(seen[FACES])) if in_any else (face, face + 1)
     for k in range(first, last):
         normal, offset = plane(seen, k)
-        p = farthest(
-            f, normal if offset > 0.0 else times(-1.0, normal)
-        )  # beyond the plane, seen from the middle, if any is
+        # Beyond the plane, seen from the middle, if any point is.
+        p = farthest(f, normal if offset > 0.0 else times(-1.0, normal))
         height = dot(normal, p) - offset
         if height * -offset < 0.0:
             p = times(offset / (height + offset), p)

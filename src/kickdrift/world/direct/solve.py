@@ -49,7 +49,8 @@ FAR = 1e-3
 # Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.
 POOR = 0.1
 
-# Ratio of speeds above which the solution of a heap is spurious.
+# The solution of a heap is spurious if a body is faster by this factor than the largest speed after the kick and the largest at
+# which overlaps are to be pushed apart together.
 WILD = 4.0
 
 

@@ -169,9 +169,9 @@ def _friction(world: int, joint: int, link: int, k: int, h: float) -> float:
 def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool) -> None:
     """Share the friction of a ball joint among its axes, as it bounds the size of the torque.
 
-    It acts along the impulse that would hold the joint at the start of the solution; if there is none, as in the first substep,
-    all shares are equal. With shares that follow the solution, laws are not convex: of 30 bent chains of eight balls that
-    friction can hold 5 fall, since most solutions are not found.
+    Friction acts along the impulse that would hold the joint, as it is when the solution starts; the squares of the shares add
+    up to one. If nothing is to be held yet, they are equal. With shares that follow the solution, laws are not convex: of 30
+    bent chains of eight balls that friction can hold 5 fall, since most solutions are not found.
     """
     work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     for k in range(3):

@@ -142,7 +142,7 @@ PASSING = column(LINK_NUMBERS, 36)  # of open axis k, six numbers: impulse along
 AXES_AHEAD = column(LINK_NUMBERS, 18)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD = column(LINK_NUMBERS, 3, "m")
 ARM_B_AHEAD = column(LINK_NUMBERS, 3, "m")
-FRICTION_SHARE = column(LINK_NUMBERS, 3)  # of angular axes: part of the bound of friction, where they share one
+FRICTION_SHARE = column(LINK_NUMBERS, 3)  # parts of the bound of friction that angular axes share; fixed in a solution
 # Of laws: impulse, less the one before the solution, that upright pieces begin with
 LAW_BASE = column(LINK_NUMBERS, 6, "N s, N m s")
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there

@@ -140,8 +140,9 @@ class KeepsHistory:
 
         Returns
         -------
-        LivePage
-            Its `wait` returns after Ctrl-C; `close`, the end of a ``with`` block, and the end of Python close the page.
+        Page
+            A `kickdrift.viewer.live.LivePage`: its `wait` returns after Ctrl-C; `close`, the end of a ``with`` block, and the
+            end of Python close the page.
 
         Raises
         ------

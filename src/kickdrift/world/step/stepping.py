@@ -200,7 +200,8 @@ class DoesSteps:
             if solve_islands in spelt.substep:
                 kernels[SOLVE_EQUATIONS] = address_of(solve_island, SOLVE_ISLAND)
             shapes.find_functions()
-            self._addresses, self._composition, self._program_step = addresses(spelt, self.substeps), composition, 0.0
+            self._program_step = 0.0  # of no program: it is composed again below
+            self._addresses, self._composition = addresses(spelt, self.substeps), composition
         put_numbers(self.tables, self.forces)
         self.cloths.tune(step / self.substeps)
         self.tables.array(SETTINGS)[0, settings.STEP] = step
