@@ -26,7 +26,9 @@ def points_are_stale(world: int, row: int) -> bool:
     place, contact = floats(world, PLACE), integers(world, CONTACT)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
     far = _ASIDE * smallest(place[a, RADIUS], place[b, RADIUS])
-    return (deviation(world, a) + deviation(world, b) > far and _aside(world, row) > far) or _has_crossed(world, row)
+    if deviation(world, a) + deviation(world, b) > far and _aside(world, row) > far:
+        return True
+    return _has_turned(world, row) or _has_crossed(world, row)
 
 
 @compiled
@@ -40,6 +42,16 @@ def _aside(world: int, row: int) -> float:
     off = minus(end_error(world, contact[row, BODY_B]), end_error(world, contact[row, BODY_A]))
     across: float = length(cross(normal, off))
     return across
+
+
+@compiled
+def _has_turned(world: int, row: int) -> bool:
+    """Whether a shape of a contact, unless it is a ball, has turned farther than was expected."""
+    for side in range(2):
+        shape = integers(world, CONTACT)[row, SHAPE_A + side]
+        if _turn_off(world, shape) > TURN * reach(floats(world, PLACE), shape):
+            return True
+    return False
 
 
 @compiled
