@@ -14,7 +14,7 @@ from kickdrift.world.collision.bvh import Box, gather
 from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.filters import may_touch
 from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.path_deviation import deviation, points_are_stale
+from kickdrift.world.collision.path_deviation import TURN, deviation, points_are_stale
 from kickdrift.world.collision.predicted_path import (
     POSITION_ERROR,
     TURN_ERROR,
@@ -89,7 +89,6 @@ from kickdrift.world.tables import (
 )
 
 _TRIES = 2  # times that a step, or a part of one, is repeated before it is halved
-_TURN = 0.1  # rad: turns beyond the expected ones by more are examined
 
 
 @compiled
@@ -149,7 +148,7 @@ def _find_errors(world: int, h: float) -> bool:
         # Smaller differences may be rounding, or the curvature of the path.
         predicted[row, POSITION_ERROR] = off if off > 0.1 * margin else 0.0
         predicted[row, TURN_ERROR] = farther
-        found = found or off > 0.5 * margin or farther > _TURN
+        found = found or off > 0.5 * margin or farther > TURN
     return found
 
 

@@ -15,6 +15,7 @@ from kickdrift.world.layout import BODY_ROW, PLACE_POSITION, PLACED_ORIENTATION,
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, PLACED, PREDICTED, SHAPE, floats, integers
 
+TURN = 0.1  # rad: a shape that has turned by more than was expected has other points of contact
 # Of the radius around the smaller of two shapes: a contact farther beside its points needs a new normal. With 0.25, none of 157
 # balls at 8 m/s comes 0.1 radii into another at 60 steps per second, and 2 pairs a step did without.
 _ASIDE = 0.25
