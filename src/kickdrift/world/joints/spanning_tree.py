@@ -27,6 +27,10 @@ from kickdrift.world.tables import (
 # articulation are solved one after the other. A pair takes 0.8 us in a step of four substeps: a grid of 8 x 8 balls 2.3 ms.
 _PAIRS, _NODES = 50, 100
 
+# Columns that are written here
+_OF_LINK = [j.LINK_BODY, j.LINK_JOINT, j.PARENT, j.SIGN, j.LINK_A, j.LINK_B]
+_OF_PART = [j.FIRST, j.LINKS, j.CLOSINGS, j.SEQUENTIAL]
+
 
 class _Edge(NamedTuple):
     joint: int
@@ -177,27 +181,29 @@ def _is_dense(links: list[list[int]], coupled: list[tuple[int, int]]) -> bool:
 
 
 def _write(tables: Tables, parts: list[_Part]) -> None:
-    """Fill in the tables."""
-    table = tables.resize(ARTICULATION, len(parts))
-    size = sum(len(each.links) + len(each.closings) for each in parts)
-    tables.resize(LINK_NUMBERS, size)
-    rows = tables.resize(LINK, size)
-    table[:] = 0
-    tables.array(LINK_NUMBERS)[:] = 0.0
-    tables.array(JOINT_NUMBERS)[:, j.BRAKE : j.BRAKE + 3] = 0.0  # of joints that close loops it stays so
-    tables.array(BODY)[:, [LINK_PLACE, LINK_COUNT]] = 0
-    rows[:] = 0
-    rows[:, [j.PARENT, j.LINK_A, j.LINK_B]] = j.NONE
+    """Fill in the tables; numbers of links begin anew only if the links are other ones."""
+    places = np.zeros((tables.count(BODY), 2), dtype=np.int64)
+    articulations = np.zeros((len(parts), len(_OF_PART)), dtype=np.int64)
+    rows: list[tuple[int, ...]] = []
     first = 0
-    for row, (links, closings, sequential) in zip(table, parts, strict=True):
-        row[[j.FIRST, j.LINKS, j.CLOSINGS, j.END, j.SEQUENTIAL]] = first, len(links), len(closings), first, sequential
+    for row, (links, closings, sequential) in zip(articulations, parts, strict=True):
+        row[:] = first, len(links), len(closings), sequential
         for k, (body, joint, parent, sign) in enumerate(links, first):
-            rows[k, [j.LINK_BODY, j.LINK_JOINT, j.SIGN]] = body, joint, sign
-            tables.array(BODY)[body, [LINK_PLACE, LINK_COUNT]] = (-k - 1, 0) if sequential else (k + 1, len(links))
-            rows[k, j.PARENT] = j.NONE if parent == j.NONE else first + parent
-        first += len(links)
-        for k, (joint, a, b) in enumerate(closings, first):
-            rows[k, [j.LINK_JOINT, j.SIGN]] = joint, 1
-            rows[k, [j.LINK_A, j.LINK_B]] = [j.NONE if link == j.NONE else row[j.FIRST] + link for link in (a, b)]
-        first += len(closings)
-    tables.resize(GRAPH, 1)[0, j.JOINED_ROWS] = size
+            places[body] = (-k - 1, 0) if sequential else (k + 1, len(links))
+            rows.append((body, joint, j.NONE if parent == j.NONE else first + parent, sign, j.NONE, j.NONE))
+        ends = [[j.NONE if link == j.NONE else first + link for link in closing[1:]] for closing in closings]
+        rows += [(0, closing[0], j.NONE, 1, *pair) for closing, pair in zip(closings, ends, strict=True)]
+        first += len(links) + len(closings)
+    links_now = np.array(rows, dtype=np.int64).reshape(-1, len(_OF_LINK))
+    tables.array(BODY)[:, [LINK_PLACE, LINK_COUNT]] = places
+    graph = tables.resize(GRAPH, 1)[0]
+    same = np.array_equal(links_now, tables.array(LINK)[: graph[j.JOINED_ROWS], _OF_LINK])
+    if same and np.array_equal(articulations, tables.array(ARTICULATION)[:, _OF_PART]):
+        return
+    tables.resize(LINK, first)[:] = 0
+    tables.resize(LINK_NUMBERS, first)[:] = 0.0
+    tables.resize(ARTICULATION, len(parts))[:] = 0
+    tables.array(LINK)[:, _OF_LINK], tables.array(ARTICULATION)[:, _OF_PART] = links_now, articulations
+    tables.array(ARTICULATION)[:, j.END] = articulations[:, 0]
+    tables.array(JOINT_NUMBERS)[:, j.BRAKE : j.BRAKE + 3] = 0.0  # of joints that close loops it stays so
+    graph[j.JOINED_ROWS] = first
