@@ -198,7 +198,7 @@ def _crowded(members: int = 3, count: int = 157, radius: float = 0.08) -> Trial:
         return 2 * radius - float(min(pdist(places).min() for places in balls))
 
     criteria = (at_most("overlap", "m", deepest, radius / 2), keeps(0.01))
-    return Trial("157 balls at 30 m/s between walls, e = 1", tuple(scenes), 1.0, criteria, looks=60)
+    return Trial("157 balls at 30 m/s between walls, e = 1", tuple(scenes), 1.0, criteria, looks=60, quick=False)
 
 
 def _wedged(radius: float = 0.05, gap: float = 0.1) -> Trial:
