@@ -466,6 +466,19 @@ def test_sliders_set_targets_and_settings_and_go_back(page):
         until(lambda: all(browser.value(label) == value for label, value in shown.items()), "the sliders to go back")
 
 
+def test_points_of_contact_are_drawn_on_request():
+    world = kd.World()
+    world.add_plane()
+    world.add_box((1, 1, 1), position=(0, 0, 0.5), mass=1.0)
+    with world.view(1 / 60, port=0) as page, Browser(page.url) as browser:
+        until(lambda: "/contacts" in browser.nodes and world.time > 0.1, "the box")
+        assert browser.nodes["/contacts"]["visible"] is False
+        browser.set("Contact points", True)
+        until(lambda: browser.nodes["/contacts"]["visible"], "the points to be drawn")
+        browser.set("Contact points", False)
+        until(lambda: not browser.nodes["/contacts"]["visible"], "the points to go")
+
+
 def test_sliders_are_there_for_drives_that_pull_to_a_target():
     assert driven_axes(worlds.ragdolls()) == []
     names = [name for name, _, _ in driven_axes(worlds.arm().world)]

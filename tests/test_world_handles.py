@@ -671,3 +671,18 @@ def test_snapshots_and_worlds_with_forces_are_pickled_with_the_functions():
     assert np.array_equal(lamp.position, again.position)
     with pytest.raises(ValueError, match="read-only"):
         snapshot.tables["POSE"][0, 0] = 1.0
+
+
+def test_contact_points_are_where_bodies_press_on_each_other():
+    world = kd.World()
+    assert world.contact_points.shape == (0, 3)
+    world.add_plane()
+    box = world.add_box((2, 4, 1), position=(1, 2, 0.5), mass=1.0)
+    ball = world.add_sphere(0.5, position=(1, 2, 1.5), mass=1.0)
+    world.add_box((9, 9, 9), static=True, sensor=True)
+    world.advance(1 / 60, 30)
+    points = {tuple(point) for point in world.contact_points.round(2) + 0.0}
+    assert points == {(0, 0, 0), (0, 4, 0), (2, 0, 0), (2, 4, 0), (1, 2, 1)}
+    box.position, ball.position = (0, 0, 5), (0, 0, 9)
+    world.step(1 / 60)
+    assert len(world.contact_points) == 0

@@ -39,6 +39,8 @@ class Controls:
         gui.add_button("Reset").on_click(lambda _: do(self._reset))
         speed = gui.add_slider("Speed", *_SPEEDS, _SPEEDS[0], live.speed, hint="Seconds of the world in a second")
         self._follow(speed, lambda: live.speed, lambda value: setattr(live, "speed", value))
+        contacts = gui.add_checkbox("Contact points", False, hint="Where bodies press on each other")
+        self._follow(contacts, lambda: live.shows_contacts, lambda value: setattr(live, "shows_contacts", value))
         with gui.add_folder("World"):
             self._add_settings(gui)
         axes = driven_axes(live.world)

@@ -29,7 +29,8 @@ from kickdrift.world.world import World
 
 _FRAME = 1 / 60  # seconds between states that are sent
 _WORDS = 0.2  # and between lines that are
-_SPRING = (230, 60, 40)
+_SPRING, _CONTACT = (230, 60, 40), (230, 60, 40)
+_CONTACT_SIZE = 0.02  # of the radius of what there is to be seen
 
 
 def view_world(
@@ -197,6 +198,10 @@ class _Picture:
         self._springs = scene.add_line_segments(
             "/springs", np.zeros((1, 2, 3)), _SPRING, thickness=3.0, thickness_units="screen", visible=False
         )
+        self._contacts = scene.add_point_cloud(
+            "/contacts", np.zeros((1, 3)), _CONTACT, point_size=_CONTACT_SIZE * self._radius, point_shape="circle",
+            precision="float32", visible=False,
+        )  # fmt: skip
 
     def fit(self, camera: Any) -> None:
         """Move the camera of a page that is higher than wide back, as far as needed to see all."""
@@ -207,12 +212,17 @@ class _Picture:
         live, before = self._live, self._looks
         with live.world.tables.lock:  # bodies may come and go in other threads
             state, made_of = live.state(), _made_of(live.world)
+            points = live.world.contact_points if live.shows_contacts else np.zeros((0, 3))
             if made_of != self._made_of:
                 self._made_of, self._looks = made_of, appearance(live.world)
         if self._looks is not before and not _alike(before, self._looks):
             self._drawn.remove()
             self._drawn = self._draw(state)
         self._drawn.show(state)
+        if len(points):
+            self._contacts.points = points.astype(np.float32)
+        if self._contacts.visible != bool(len(points)):
+            self._contacts.visible = bool(len(points))
         if live.grips:
             self._springs.points = np.array([(grip.point, grip.target) for grip in live.grips.values()])
         if self._springs.visible != bool(live.grips):

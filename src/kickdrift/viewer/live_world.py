@@ -39,6 +39,8 @@ class LiveWorld:
         A sentence about what could not be done, which has paused it, or an empty one.
     grips : dict of int to Grip
         By the page that holds on.
+    shows_contacts : bool
+        Whether the points at which bodies press on each other are drawn.
     """
 
     def __init__(
@@ -49,7 +51,7 @@ class LiveWorld:
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.world, self.step, self._control = world, step, control
-        self.playing, self.trouble = False, ""
+        self.playing, self.trouble, self.shows_contacts = False, "", False
         self.reached: float | None = None
         self.grips: dict[int, Grip] = {}
         self._start, self._clock, self._speed = world.snapshot(), clock, 1.0

@@ -23,6 +23,7 @@ from kickdrift.world.cloth.adding_ropes import AddsRopes
 from kickdrift.world.cloth.adding_soft_bodies import AddsSoftBodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
+from kickdrift.world.contact_points import contact_points
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.force_functions import Force
 from kickdrift.world.forces import AppliesForces
@@ -215,6 +216,11 @@ class World(
     def touching(self) -> list[tuple[Body, Body]]:
         """Pairs of bodies that touch, each once."""
         return touching(self.tables, self.bodies)
+
+    @property
+    def contact_points(self) -> NDArray[np.float64]:
+        """Points at which bodies pressed on each other in the last step, (P, 3), m; those of cloths are not among them."""
+        return contact_points(self.tables)
 
     def step(self, step: float) -> None:
         """Do one step.
