@@ -10,7 +10,7 @@ import scipy.spatial.distance
 
 import kickdrift as kd
 from kickdrift.scenes import worlds
-from kickdrift.world.constraint_error import deepest_overlap
+from kickdrift.world.contact_points import deepest_overlap
 from kickdrift.world.contacts import layout
 from kickdrift.world.contacts.colouring import OVERFLOW
 from kickdrift.world.layout import AWAKE

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from kickdrift.core.rotations import about, turned
 from kickdrift.scenes import worlds
 from kickdrift.scenes.worlds.placing import between, scatter
-from kickdrift.world.constraint_error import deepest_overlap
+from kickdrift.world.contact_points import deepest_overlap
 from kickdrift.world.tables import INERTIA
 from kickdrift.world.world import World
 

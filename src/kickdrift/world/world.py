@@ -220,7 +220,8 @@ class World(
     @property
     def contact_points(self) -> NDArray[np.float64]:
         """Points at which bodies pressed on each other in the last step, (P, 3), m; those of cloths are not among them."""
-        return contact_points(self.tables)
+        with self.tables.lock:
+            return contact_points(self.tables)
 
     def step(self, step: float) -> None:
         """Do one step.

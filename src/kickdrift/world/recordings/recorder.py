@@ -12,7 +12,8 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
-from kickdrift.world.constraint_error import deepest_overlap, widest_gap
+from kickdrift.world.constraint_error import widest_gap
+from kickdrift.world.contact_points import deepest_overlap
 from kickdrift.world.recordings.appearance import DrawnCloth, appearance
 from kickdrift.world.recordings.recorded_cloths import RecordedCloths
 from kickdrift.world.recordings.recording import Recording
