@@ -259,6 +259,21 @@ def test_the_vertices_of_a_cloth_are_where_the_recording_has_them(tmp_path):
     assert np.ptp(course[:, -1, 2]) > 0.1
 
 
+def test_points_of_contacts_are_shown_where_they_were_recorded(tmp_path):
+    world = kd.World()
+    world.add_plane()
+    world.add_box((1.0, 1.0, 1.0), position=(0.0, 0.0, 0.5), mass=1.0)
+    made = world.run(duration=0.5, step=1 / 60, progress=False, contact_points=True)
+    page = Page(made.to_html(tmp_path / "box.html"))
+    seen = [m["visible"] for _, m in page.messages if m.get("name") == "/contacts" and "visible" in m]
+    assert seen == [False, True], "it does not press at once"
+    (last,) = page.course("contacts", "points", [0.5])
+    corners = [[x, y, 0.0] for x in (-0.5, 0.5) for y in (-0.5, 0.5)]
+    np.testing.assert_allclose(sorted(last.reshape(-1, 3).tolist()), corners, atol=0.01)
+    left_out = Page(replace(made, contact_points=made.contact_points[:, :0]).to_html(tmp_path / "bare.html"))
+    assert not any(name.startswith("/contacts") for name in left_out.nodes)
+
+
 def test_names_cannot_bring_scripts_into_the_page(tmp_path):
     made = recording([Box((1, 1, 1))], [np.zeros((2, 3))])
     evil = "<script>alert(1)</script>"

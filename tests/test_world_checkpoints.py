@@ -42,6 +42,7 @@ def run(world, folder=None, duration=3.0, **others):
 def same(one, other):
     for name in ("t", "x", "v", "orientation", "angular_velocity"):
         assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    assert np.array_equal(one.contact_points, other.contact_points, equal_nan=True)
     for mapping in ("invariants", "derived"):
         for name, values in getattr(other, mapping).items():
             assert np.array_equal(getattr(one, mapping)[name], values), name
@@ -65,6 +66,18 @@ def test_a_world_goes_on_with_the_same_bits(tmp_path, monkeypatch):
     goes_on.advance(STEP, 30)
     assert np.array_equal(goes_on.position, left_alone.position)
     same(run(pile(), tmp_path / "run"), whole)  # which is done
+
+
+def test_points_of_contacts_go_on_too(tmp_path, monkeypatch):
+    whole = run(pile(), contact_points=True)
+    assert np.isfinite(whole.contact_points[-1]).all(axis=1).sum() >= 4
+    with killed_after(2, checkpoints.Checkpoints, "write", monkeypatch):
+        run(pile(), tmp_path / "run", contact_points=True)
+    with pytest.raises(kd.ArgumentError, match="another contact_points"):
+        run(pile(), tmp_path / "run")
+    on = run(pile(), tmp_path / "run", contact_points=True)
+    assert "It resumed from step 100" in on.message
+    same(on, whole)
 
 
 def test_a_longer_and_a_shorter_duration_go_on(tmp_path):
@@ -121,6 +134,8 @@ def test_what_cannot_be_written_ends_the_run(tmp_path, monkeypatch):
         ({"checkpoint": 3}, "is not a path"),
         ({"checkpoint": "x", "checkpoint_every": 0}, "checkpoint_every=0 must"),
         ({"checkpoint_every": 5}, "without checkpoint"),
+        ({"contact_points": 3}, "contact_points=3 must"),
+        ({"contact_points": True, "save_to": "run.zarr"}, "leave one of the two out"),
     ],
 )
 def test_arguments_that_cannot_be_are_refused(others, words, tmp_path, monkeypatch):

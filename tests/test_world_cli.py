@@ -30,7 +30,7 @@ def call(*arguments):
 
 
 def test_a_scene_is_run_reported_kept_drawn_and_filmed(folder):
-    result = call("run", "bouncing-disk", "--duration", 0.5, "--film")
+    result = call("run", "bouncing-disk", "--duration", 0.5, "--film", "--contacts")
     assert result.exit_code == cli.DONE, result.output
     output = folder / "kickdrift-output"
     assert {path.name for path in output.iterdir()} == {f"bouncing-disk.{end}" for end in ("npz", "png", "gif", "html")}
@@ -132,6 +132,7 @@ def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):
             "--method='leapfrog' applies to systems, and 'pyramid' is a scene",
         ),
         (("run", "kepler", "--film"), "--film applies to scenes, but 'kepler' is not one"),
+        (("run", "kepler", "--contacts"), "--contacts applies to scenes, but 'kepler' is not one"),
         (("run", "pyramid", "--years", "1"), "--years='1' applies to systems"),
         (("run", "pyramid", "--bodies", "Sun"), "--bodies='Sun' applies to"),
         (("run", "pyramid", "--duration", "-1"), "--duration='-1' must be positive"),

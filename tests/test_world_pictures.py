@@ -58,6 +58,7 @@ def recording(shapes, ways, *, turns=None, fixed=(), rods=(), times=None):
         n_steps=len(t) - 1, n_force_evaluations=0, wall_time=0.1, about=replace(about, system="test"),
         derived={"kinetic energy": energy - 0.5, "potential energy": 0.5 + 0 * energy},
         orientation=q, angular_velocity=np.zeros_like(x), particles=np.zeros((len(t), 0, 3)),
+        contact_points=np.zeros((len(t), 0, 3)),
         appearance=Appearance(kinds, parts, tuple(rods), {}),
     )  # fmt: skip
 

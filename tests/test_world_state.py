@@ -716,14 +716,16 @@ def test_overlap_and_joint_gaps_are_those_of_the_shapes():
 
 def test_a_recorded_loop_is_a_run():
     world, other = balls(), balls()
-    run = world.run(0.5, STEP, save_every=4)
-    with other.record(save_every=4) as recording:
+    run = world.run(0.5, STEP, save_every=4, contact_points=True)
+    with other.record(save_every=4, contact_points=True) as recording:
         for _ in range(10):
             other.step(run.step)
         other.advance(run.step, 20)
     assert type(recording) is kd.Recording
     for name in ("x", "v", "orientation", "angular_velocity", "energy"):
         assert np.array_equal(getattr(recording, name), getattr(run, name))
+    assert np.array_equal(recording.contact_points, run.contact_points, equal_nan=True)
+    assert recording.contact_points.shape[1] > 0
     assert recording.t == pytest.approx(run.t, abs=1e-14)
     assert np.array_equal(recording.derived["overlap"], run.derived["overlap"])
     for name in ("status", "step", "n_steps", "n_force_evaluations", "about"):

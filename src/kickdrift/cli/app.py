@@ -100,6 +100,9 @@ def run(
         ),
     ] = None,
     film: Annotated[bool, typer.Option("--film", help="Also write an animation of a scene, <scene>.gif.")] = False,
+    contacts: Annotated[
+        bool, typer.Option("--contacts", help="Show the points at which bodies press on each other, too.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
 ) -> None:
     """Run a system or a scene, report on it, and write <name>.npz and <name>.png, and of a scene <name>.html."""
@@ -107,11 +110,14 @@ def run(
     if is_scene(target):
         from kickdrift.cli.scene import make_scene_plan, run_scene
 
-        raise typer.Exit(run_scene(make_scene_plan(target, options), output, quiet, checkpoint, save_to, film))
-    if film:
-        raise ArgumentError(
-            f"--film applies to scenes, but {target!r} is not one (see: kickdrift list scenes); leave it out."
+        raise typer.Exit(
+            run_scene(make_scene_plan(target, options), output, quiet, checkpoint, save_to, film, contacts)
         )
+    for option, given in (("film", film), ("contacts", contacts)):
+        if given:
+            raise ArgumentError(
+                f"--{option} applies to scenes, but {target!r} is not one (see: kickdrift list scenes); leave it out."
+            )
     from kickdrift.cli.run import run as do
 
     raise typer.Exit(do(make_plan(target, options), output, quiet, checkpoint, save_to))

@@ -71,8 +71,8 @@ xarray can read them, and the other files are not written.
 
 Scenes are worlds of rigid bodies and cloth. With the extra viewer, a run of a scene also writes an interactive
 page for the browser, <scene>.html; with --film, an animation, <scene>.gif, in real time, or faster if it would last
-more than 20 s. Scenes take the options --duration, --step, --save-every, --output, --checkpoint, --save-to, --film and
---quiet; times are in seconds.
+more than 20 s; with --contacts, the page shows the points at which bodies press on each other. Scenes take the options
+--duration, --step, --save-every, --output, --checkpoint, --save-to, --film, --contacts and --quiet; times are in seconds.
 
 \b
   kickdrift run pyramid

@@ -63,6 +63,7 @@ def run_scene(
     checkpoint: Path | None = None,
     save_to: Path | None = None,
     film: bool = False,
+    contacts: bool = False,
 ) -> int:
     """Run a scene, write ``<scene>.npz``, ``.png``, ``.html`` and, on request, ``.gif`` into a folder; return the exit code.
 
@@ -76,7 +77,15 @@ def run_scene(
         say(f"{plan.name}, {plan.duration:g} s in steps of {plan.step:g}")
     _compile_ahead(world, plan.step, quiet)
     progress = False if quiet else None
-    recording = world.run(plan.duration, plan.step, plan.save_every, progress, checkpoint=checkpoint, save_to=save_to)
+    recording = world.run(
+        plan.duration,
+        plan.step,
+        plan.save_every,
+        progress,
+        checkpoint=checkpoint,
+        save_to=save_to,
+        contact_points=contacts,
+    )
     recording = replace(recording, about=replace(recording.about, system=plan.name))
     if save_to is not None:
         if not quiet:

@@ -29,6 +29,7 @@ def save_recording(recording: Recording, path: str | Path) -> Path:
         "orientation": recording.orientation,
         "angular_velocity": recording.angular_velocity,
         "particles": recording.particles,
+        "contact_points": recording.contact_points,
         "kinds": looks.kinds,
         "cloths": np.array([(cloth.first, cloth.last, len(cloth.triangles)) for cloth in looks.cloths]).reshape(-1, 3),
         "cloth radii": np.array([cloth.radius for cloth in looks.cloths], dtype=np.float64),
@@ -70,11 +71,12 @@ def assemble(head: dict[str, Any], arrays: dict[str, Any]) -> Recording:
     if any(not 0 <= body < bodies for body in shown):
         raise ValueError(f"a shape belongs to a body that does not exist; there are {bodies}")
     names = {int(row): str(name) for row, name in head["names"]}
-    particles = arrays["particles"]
-    if particles.ndim != 3 or particles.shape[::2] != (times, 3):
-        raise ValueError(f"x and particles have shapes {known['x'].shape} and {particles.shape}")
-    looks = Appearance(kinds, parts, rods, names, _cloths(head, arrays, particles.shape[1]))
-    return Recording(**known, orientation=turns, angular_velocity=spins, particles=particles, appearance=looks)
+    points = {name: arrays[name] for name in ("particles", "contact_points")}
+    for name, values in points.items():
+        if values.ndim != 3 or values.shape[::2] != (times, 3):
+            raise ValueError(f"x and {name} have shapes {known['x'].shape} and {values.shape}")
+    looks = Appearance(kinds, parts, rods, names, _cloths(head, arrays, points["particles"].shape[1]))
+    return Recording(**known, **points, orientation=turns, angular_velocity=spins, appearance=looks)
 
 
 def _cloths(head: dict[str, Any], arrays: dict[str, Any], count: int) -> tuple[DrawnCloth, ...]:

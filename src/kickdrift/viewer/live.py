@@ -15,6 +15,7 @@ import numpy as np
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, on_planes
+from kickdrift.viewer.contacts import ContactPoints
 from kickdrift.viewer.controls import Controls
 from kickdrift.viewer.fit import Fit
 from kickdrift.viewer.live_world import LiveWorld
@@ -29,8 +30,7 @@ from kickdrift.world.world import World
 
 _FRAME = 1 / 60  # seconds between states that are sent
 _WORDS = 0.2  # and between lines that are
-_SPRING, _CONTACT = (230, 60, 40), (230, 60, 40)
-_CONTACT_SIZE = 0.02  # of the radius of what there is to be seen
+_SPRING = (230, 60, 40)
 
 
 def view_world(
@@ -198,10 +198,7 @@ class _Picture:
         self._springs = scene.add_line_segments(
             "/springs", np.zeros((1, 2, 3)), _SPRING, thickness=3.0, thickness_units="screen", visible=False
         )
-        self._contacts = scene.add_point_cloud(
-            "/contacts", np.zeros((1, 3)), _CONTACT, point_size=_CONTACT_SIZE * self._radius, point_shape="circle",
-            precision="float32", visible=False,
-        )  # fmt: skip
+        self._contacts = ContactPoints(scene, self._radius)
 
     def fit(self, camera: Any) -> None:
         """Move the camera of a page that is higher than wide back, as far as needed to see all."""
@@ -219,10 +216,7 @@ class _Picture:
             self._drawn.remove()
             self._drawn = self._draw(state)
         self._drawn.show(state)
-        if len(points):
-            self._contacts.points = points.astype(np.float32)
-        if self._contacts.visible != bool(len(points)):
-            self._contacts.visible = bool(len(points))
+        self._contacts.show(points)
         if live.grips:
             self._springs.points = np.array([(grip.point, grip.target) for grip in live.grips.values()])
         if self._springs.visible != bool(live.grips):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.colours import COLOURS, SUM
 from kickdrift.viewer.bodies import DrawnBodies, check_can_be_seen, extent, parts_of
+from kickdrift.viewer.contacts import ContactPoints
 from kickdrift.viewer.curves import Curve, panel
 from kickdrift.viewer.meshes import FINE, TURN, State
 from kickdrift.viewer.page import Stage, check_in_memory, write_page
@@ -28,7 +29,8 @@ def recording_to_html(recording: Recording, path: str | Path) -> Path:
     ----------
     recording : Recording
         The states kept are shown, 30 a second or a few more; there is nothing between them. Where so much moves for so long
-        that the file would have more than 20 MB, 15 or 10 a second are.
+        that the file would have more than 20 MB, 15 or 10 a second are. Its points of contacts are shown, if they were
+        recorded.
     path : path
         Ends in ``.html``.
 
@@ -61,9 +63,13 @@ def _play(stage: Stage, recording: Recording) -> str:
     stage.look(centre, radius)
     moves = (x != x[0]).any(axis=(0, 2)) | (q != q[0]).any(axis=(0, 2))
     drawn = DrawnBodies(stage.scene, appearance, _state(recording, 0), moves, radius)
+    contacts = ContactPoints(stage.scene, radius) if recording.contact_points.size else None
     for before, row in zip([rows[0], *rows], rows, strict=False):
         stage.wait(float(recording.t[row] - recording.t[before]))
         drawn.show(_state(recording, row))
+        if contacts is not None:
+            points = recording.contact_points[row]
+            contacts.show(points[np.isfinite(points[:, 0])])
     stage.wait(1.0 / _RATE)  # the last state is seen, too
     t = recording.t
     return panel(recording.about.system, t, _energies(recording.derived), "J", float(t[-1] - t[0]), "s")

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from kickdrift.core.arguments import choice
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.naming import digest
 from kickdrift.engine.checkpoints import Checkpoints
@@ -20,12 +21,26 @@ _WORLD, _ROWS, _REMEMBERED = "world ", "rows ", "remembered "
 
 
 class Kept(NamedTuple):
-    """Where the checkpoints and rows of a run go: arguments of `World.run`."""
+    """What is kept of a run, and where: arguments of `World.run`."""
 
     folder: Any = None
     every: Any = None
     keep: Any = 2
     save_to: Any = None
+    contact_points: Any = False
+
+    def check(self) -> None:
+        """Refuse invalid `contact_points`.
+
+        Raises
+        ------
+        ArgumentError
+        """
+        if choice("contact_points", self.contact_points) and self.save_to is not None:
+            raise ArgumentError(
+                f"contact_points=True keeps points in memory, as many as there are, and save_to={str(self.save_to)!r} has"
+                " no room for them; leave one of the two out."
+            )
 
     def keeper(self, world: "World") -> "Keeper | None":
         """Return the writer of checkpoints of a run that begins now, or None if it has none.
@@ -98,7 +113,7 @@ class Keeper:
         kept |= {_ROWS + name: values for name, values in rows.kept().items()}
         kept |= {_REMEMBERED + name: values for name, values in rows.remembered().items()}
         kept["rows after"] = np.array([step_of_row(grid, row) for row in range(rows.first, rows.count)], dtype=np.int64)
-        known = {"h": grid.step, "seconds": seconds, "world": header, "every": grid.every, "streamed": grid.streamed}
+        known = {"h": grid.step, "seconds": seconds, "world": header, **_arguments_of(grid, rows)}
         self._checkpoints.write(done, known, kept)
 
     def find(self, grid: Grid, rows: RecordingRows) -> tuple[int, Grid, float, str] | None:
@@ -133,7 +148,7 @@ class Keeper:
                 _with_prefix(arrays, _ROWS),
                 _with_prefix(arrays, _REMEMBERED),
             )
-            every, streamed = header["every"], header["streamed"]
+            given = {name: header[name] for name in _arguments_of(grid, rows)}
             snapshot = Recording.presenters.snapshot_of(header["world"], _with_prefix(arrays, _WORLD))
         except (LookupError, TypeError, ValueError) as error:
             raise FileFormatError(
@@ -143,13 +158,19 @@ class Keeper:
         same = with_step(grid, h)
         if same is None:
             raise self._checkpoints.refuse(f"step ({h!r} there, {grid.step!r} here)")
-        if (every, streamed) != (same.every, same.streamed):
-            raise self._checkpoints.refuse("save_every" if streamed == same.streamed else "save_to")
+        for name, value in _arguments_of(same, rows).items():
+            if given[name] != value:
+                raise self._checkpoints.refuse(name)
         # The last row of a run is not one of a longer run that continues it.
-        taken = (after % every == 0) | (after == same.n_steps)
+        taken = (after % (same.every or 1) == 0) | (after == same.n_steps)
         self._world.restore(snapshot.with_forces(self._world.forces))
         rows.fill({name: values[taken] for name, values in kept.items()}, remembered)
         return done, same, seconds, said
+
+
+def _arguments_of(grid: Grid, rows: RecordingRows) -> dict[str, int | bool | None]:
+    """Return the arguments that decide what the rows hold, by name."""
+    return {"save_every": grid.every, "save_to": grid.streamed, "contact_points": rows.with_contacts}
 
 
 def step_of_row(grid: Grid, row: int) -> int:

@@ -35,6 +35,7 @@ class KeepsHistory:
         checkpoint_every: int | None = None,
         checkpoint_keep: int | None = 2,
         save_to: str | Path | None = None,
+        contact_points: bool = False,
     ) -> Recording:
         """Run the world for a duration, and record it.
 
@@ -60,6 +61,8 @@ class KeepsHistory:
         save_to : path, optional
             A folder, such as ``"pile.zarr"``, to which the rows are written during the run, instead of memory, as by
             `kickdrift.solve`; with overlaps, joint gaps and residuals.
+        contact_points : bool
+            Whether to record the points at which bodies press on each other, too; pages of the recording show them.
 
         Returns
         -------
@@ -83,10 +86,12 @@ class KeepsHistory:
         >>> recording.x.shape
         (31, 2, 3)
         """
-        kept = Kept(checkpoint, checkpoint_every, checkpoint_keep, save_to)
+        kept = Kept(checkpoint, checkpoint_every, checkpoint_keep, save_to, contact_points)
         return run(self._world, duration, step, save_every, progress, kept)
 
-    def record(self, save_every: int = 1, *, save_to: str | Path | None = None) -> AbstractContextManager[Recording]:
+    def record(
+        self, save_every: int = 1, *, save_to: str | Path | None = None, contact_points: bool = False
+    ) -> AbstractContextManager[Recording]:
         """Record the steps of a user's loop.
 
         Parameters
@@ -95,6 +100,8 @@ class KeepsHistory:
             Record the state at the start, after every n-th step, for n = `save_every`, and after the last one.
         save_to : path, optional
             A folder to which the rows are written instead of memory, as by `run`. All bodies must exist at the start.
+        contact_points : bool
+            Whether to record the points at which bodies press on each other, as by `run`.
 
         Returns
         -------
@@ -122,7 +129,7 @@ class KeepsHistory:
         >>> recording.x.shape
         (51, 2, 3)
         """
-        return record(self._world, save_every, save_to)
+        return record(self._world, save_every, Kept(save_to=save_to, contact_points=contact_points))
 
     def view(self, step: float, *, control: Callable[[], object] | None = None, port: int = 8080) -> Page:
         """Show the world on a page in the browser, with controls to play, pause, step and reset it and to pull bodies.

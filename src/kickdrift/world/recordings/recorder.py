@@ -13,7 +13,7 @@ from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
 from kickdrift.world.constraint_error import widest_gap
-from kickdrift.world.contact_points import deepest_overlap
+from kickdrift.world.contact_points import contact_points, deepest_overlap
 from kickdrift.world.recordings.appearance import DrawnCloth, appearance
 from kickdrift.world.recordings.recorded_cloths import RecordedCloths
 from kickdrift.world.recordings.recording import Recording
@@ -22,12 +22,14 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
+_NO_POINTS = np.zeros((0, 3))
 _UNITS = {
-    "t": "s", "x": "m", "particles": "m", "v": "m/s", "orientation": "1", "angular velocity": "rad/s",
+    "t": "s", "x": "m", "particles": "m", "contact points": "m", "v": "m/s", "orientation": "1", "angular velocity": "rad/s",
     "energy": "J", "momentum": "kg m/s", "angular momentum": "kg m^2/s",
 }  # fmt: skip
 _OF_BODIES = {"x": 3, "v": 3, "orientation": 4, "angular velocity": 3}
 _OF_PARTICLES = {"particles": 3}
+_OF_CONTACTS = {"contact points": 3}
 _OF_THE_WORLD = {"t": 1, "energy": 2, "constraint error": 2, "residual": 1, "momentum": 3, "angular momentum": 3}
 
 
@@ -39,6 +41,8 @@ class RecordingRows:
     world : World
     room : int
         Expected number of rows; there may be more.
+    with_contacts : bool
+        Whether to record the points of contacts.
 
     Attributes
     ----------
@@ -50,20 +54,23 @@ class RecordingRows:
 
     saved_to = ""
 
-    def __init__(self, world: "World", room: int) -> None:
+    def __init__(self, world: "World", room: int, with_contacts: bool = False) -> None:
         self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world)
         self._cloths.take_over()
+        self.with_contacts, self._points = with_contacts, 0
         self.count = self.first = 0
         shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
         shapes |= {name: (room, self._bodies, size) for name, size in _OF_BODIES.items()}
         shapes |= {name: (room, self._cloths.size, size) for name, size in _OF_PARTICLES.items()}
+        shapes |= {name: (room, 0, size) for name, size in _OF_CONTACTS.items()}
         self._rows: dict[str, Floats] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
 
     def keep(self, t: float) -> None:
         """Add a row with the state of the world, at the time t."""
         world, rows, row = self._world, self._rows, self.count - self.first
-        bodies = len(world.position)
-        if row == len(rows["t"]) or bodies > self._bodies:
+        bodies, points = len(world.position), contact_points(world.tables) if self.with_contacts else _NO_POINTS
+        self._points = max(self._points, len(points))
+        if row == len(rows["t"]) or bodies > self._bodies or self._points > rows["contact points"].shape[1]:
             self._grow(max(bodies, self._bodies))
         if self._cloths.changed:
             self._rearrange(self._cloths.take_over())
@@ -72,6 +79,7 @@ class RecordingRows:
         rows["orientation"][row, :bodies] = world.orientation
         rows["angular velocity"][row, :bodies] = world.angular_velocity
         self._cloths.put(rows["particles"][row])
+        rows["contact points"][row, : len(points)] = points
         energy = world.energy()
         rows["energy"][row] = energy.kinetic, energy.potential
         rows["constraint error"][row] = deepest_overlap(world.tables), widest_gap(world.tables)
@@ -81,7 +89,8 @@ class RecordingRows:
 
     def kept(self) -> dict[str, Floats]:
         """Return the rows in memory, for `fill`."""
-        return {name: values[: self.count - self.first] for name, values in self._rows.items()}
+        kept = {name: values[: self.count - self.first] for name, values in self._rows.items()}
+        return kept | {name: kept[name][:, : self._points] for name in _OF_CONTACTS}
 
     def remembered(self) -> dict[str, Floats]:
         """Return the data that `fill` needs besides the rows in memory."""
@@ -97,8 +106,10 @@ class RecordingRows:
         """
         if self._cloths.changed:
             self._rearrange(self._cloths.take_over())
-        for name, values in self._rows.items():
-            values[: len(kept["t"])] = kept[name]
+        self._points = kept["contact points"].shape[1]
+        self._grow(self._bodies)
+        for name, own in self._rows.items():
+            own[tuple(map(slice, kept[name].shape))] = kept[name]
         self.count = self.first + len(kept["t"])
 
     def begin(self) -> None:
@@ -115,14 +126,17 @@ class RecordingRows:
         return self.kept()
 
     def _grow(self, bodies: int) -> None:
-        """Widen the rows to a number of bodies and, if all are in use, make room for half as many again."""
+        """Widen the rows to the bodies and points of contacts, and make room for half as many rows again if all are full."""
         before = len(self._rows["t"])
         room = before + (before // 2 + 16 if self.count - self.first == before else 0)
+        points = self._rows["contact points"].shape[1]
+        points = points if self._points <= points else self._points + self._points // 4
+        widths = dict.fromkeys(_OF_BODIES, (bodies,)) | dict.fromkeys(_OF_CONTACTS, (points,))
         for name, old in self._rows.items():
-            wide = (bodies,) if name in _OF_BODIES else old.shape[1:-1]
-            new = np.full((room, *wide, old.shape[-1]), np.nan)
-            new[tuple(map(slice, old.shape))] = old
-            self._rows[name] = new
+            shape = (room, *widths.get(name, old.shape[1:-1]), old.shape[-1])
+            if shape != old.shape:
+                self._rows[name] = np.full(shape, np.nan)
+                self._rows[name][tuple(map(slice, old.shape))] = old
         self._bodies = bodies
 
     def _rearrange(self, columns: NDArray[np.int64]) -> None:
@@ -179,6 +193,7 @@ class RecordingRows:
             orientation=rows["orientation"],
             angular_velocity=rows["angular velocity"],
             particles=rows["particles"],
+            contact_points=rows["contact points"],
             appearance=looks,
         )
 

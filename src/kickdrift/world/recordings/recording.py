@@ -28,6 +28,9 @@ class Recording(Solution):
         In the world's axes, rad/s.
     particles : (T, P, 3) array
         Vertices of all cloths, ropes and soft bodies, m; `cloth` returns those of one.
+    contact_points : (T, K, 3) array
+        Points at which bodies pressed on each other, m, and NaN after the last one of a row; K is 0 unless
+        ``contact_points=True`` was given to `World.run` or `World.record`.
     appearance : Appearance
         Shapes, joints and cloths, for drawing.
 
@@ -52,6 +55,7 @@ class Recording(Solution):
     orientation: Floats
     angular_velocity: Floats
     particles: Floats
+    contact_points: Floats
     appearance: Appearance
 
     presenters: ClassVar[WorldPresenters]

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from kickdrift.world.world import World
 
 _BYTES_PER_BODY, _BYTES_PER_PARTICLE, _BYTES_PER_ROW = 13 * 8, 3 * 8, 16 * 8
+_BYTES_OF_CONTACTS = 8 * 3 * 8  # of a body: a box in a pile has eight points or fewer
 
 
 def run(
@@ -36,9 +37,9 @@ def run(
 ) -> Recording:
     """Run a world and record it; see `World.run`."""
     progress = None if progress is None else choice("progress", progress)
-    per_row = (
-        len(world.position) * _BYTES_PER_BODY + world.tables.count(PARTICLE) * _BYTES_PER_PARTICLE + _BYTES_PER_ROW
-    )
+    kept.check()
+    per_body = _BYTES_PER_BODY + (_BYTES_OF_CONTACTS if kept.contact_points else 0)
+    per_row = len(world.position) * per_body + world.tables.count(PARTICLE) * _BYTES_PER_PARTICLE + _BYTES_PER_ROW
     grid = _lay(duration, step, save_every, per_row, kept.save_to is not None)
     with ExitStack() as held:
         keeper = kept.keeper(world)
@@ -47,18 +48,16 @@ def run(
         store = kept.store(world, grid)
         if store is not None:
             held.callback(store.close)
-        return _run(world, grid, progress, keeper, store)
+        room = len(grid.save_steps) + 1  # one row more for a run that ends early
+        rows = RecordingRows(world, room, kept.contact_points) if store is None else StreamedRecordingRows(world, store)
+        return _run(world, grid, progress, keeper, rows)
 
 
-def _run(
-    world: "World", grid: Grid, progress: bool | None, keeper: Keeper | None, store: ZarrStore | None
-) -> Recording:
+def _run(world: "World", grid: Grid, progress: bool | None, keeper: Keeper | None, rows: RecordingRows) -> Recording:
     """Do the steps of a grid, and record rows."""
     with compiling_announced(progress):
         world.advance(grid.step, 0)
-    rows, t0 = RecordingRows(world, len(grid.save_steps) + 1), world.time  # one row more for a run that ends early
-    if store is not None:
-        rows = StreamedRecordingRows(world, store)
+    t0 = world.time
     found = None if keeper is None else keeper.find(grid, rows)
     done, grid, seconds, said = found or (0, grid, 0.0, "")
     if found is None:
@@ -96,17 +95,18 @@ def _run(
 
 
 @contextmanager
-def record(world: "World", save_every: int, save_to: Any) -> Iterator[Recording]:
+def record(world: "World", save_every: int, kept: Kept) -> Iterator[Recording]:
     """Record the steps done in a block; see `World.record`."""
     if isinstance(save_every, bool) or not (isinstance(save_every, int | np.integer) and save_every >= 1):
         raise ArgumentError(f"save_every={save_every!r} must be a whole number of steps, one or more.")
     if world.recorder is not None:
         raise ArgumentError("the world is already being recorded; end that recording first, or keep more of its steps.")
-    store = None if save_to is None else ZarrStore(save_to, "a recorded loop")
+    kept.check()
+    store = None if kept.save_to is None else ZarrStore(kept.save_to, "a recorded loop")
     with nullcontext() if store is None else closing(store):
         if store is not None:
             store.check(again=False)
-        rows = RecordingRows(world, 64) if store is None else StreamedRecordingRows(world, store)
+        rows = RecordingRows(world, 64, kept.contact_points) if store is None else StreamedRecordingRows(world, store)
         yield from _recorded(world, Recorder(world, save_every, rows))
 
 
