@@ -24,6 +24,7 @@ _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
 # Turn in a part, rad, and most parts: 1.2e6 rad/s at 60 steps per second of 4 substeps, in a millisecond or two. The energy is
 # right to rounding; in turns of 1.5 it changes by 1e-5 in a second, and of 2 there may be no solution.
 _PART, _PARTS = 0.5, 10_000
+_NEAR, _LARGE = 1e-4, 2.0  # squares of the relative increment below, and of the turn above which w* is not iterated exactly
 _MOMENTS = 1e4  # largest ratio of moments of inertia allowed for: that of a rod a hundred times as long as it is thick
 
 
@@ -37,20 +38,29 @@ def turned_product(q: Quaternion, moments: Symmetric, w: Vector) -> Vector:
 def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: Vector) -> Vector:
     """Return the angular velocity w* of a body in free flight for a time h, rad/s, by Newton's method.
 
-    It has the orientation q and the angular momentum `spin`, in the world's axes; `turn` is the initial guess.
+    It begins with a derivative to first order in h, which is enough for all but slender bodies: after 20 rounds with it, sticks
+    of 1:20 that turn by half a radian gain 2e-5 of their energy in that turn. Farther from the solution, the exact one may lead
+    elsewhere. It has the orientation q and the angular momentum `spin`, in the world's axes; `turn` is the initial guess.
     """
     momentum, w = turned_back(q, spin), turned_back(q, turn)
     error = 0.0
     for _ in range(_ROUNDS):
-        middle = times(0.5, plus(momentum, turned_back(exponential(times(h, w)), momentum)))
-        step = _solved(moments, times(0.5 * h, middle), minus(middle, applied(moments, w)))
+        way = times(h, w)
+        rotation = exponential(way)
+        later = turned_back(rotation, momentum)
+        middle = times(0.5, plus(momentum, later))
+        missing = minus(middle, applied(moments, w))
+        if 0.0 < error < _NEAR * dot(w, w) and dot(way, way) < _LARGE:
+            step = _newton_step(h, moments, way, rotation, later, missing)
+        else:
+            step = _first_order_step(moments, times(0.5 * h, middle), missing)
         w = plus(w, step)
         change = dot(step, step)
         # Iterated until this increment, or the next one as estimated, is below rounding, or until increments no longer
         # shrink: a larger tolerance would let the energy drift. Where there is no solution, at turns of some two radians,
         # the last iterate still conserves the momentum.
         size = dot(w, w)
-        # The Jacobian is right to first order in h, so the next increment is about this fraction of the present one, at most.
+        # To first order in h, the next increment is about this fraction of the present one, at most.
         part = min(_MOMENTS * h * h * max(size, change), 1.0)
         if change * part * part <= _ROUNDING * size or change * change <= _ROUNDING * size * error:
             break
@@ -78,10 +88,36 @@ def fast_rotation(
 
 
 @compiled(inline=True)
-def _solved(moments: Symmetric, p: Vector, b: Vector) -> Vector:
+def _first_order_step(moments: Symmetric, p: Vector, b: Vector) -> Vector:
     """Solve (I - [p]x) w = b, Newton's equation for w = I^-1 (P + exp(-h w) P) / 2 to first order in h."""
     r0 = (moments[0], moments[3] + p[2], moments[4] - p[1])
     r1 = (moments[3] - p[2], moments[1], moments[5] + p[0])
     r2 = (moments[4] + p[1], moments[5] - p[0], moments[2])
+    return _solved(r0, r1, r2, b)
+
+
+@compiled
+def _newton_step(h: float, moments: Symmetric, a: Vector, rotation: Quaternion, g: Vector, b: Vector) -> Vector:
+    """Solve the same equation exactly, where a = h w is not zero, and g = exp(-a) P.
+
+    With the right Jacobian J of the exponential (Sola, Deray, Atchuthan, arXiv:1812.01537, eq. 143), dg = h [g]x J dw, and for
+    t = |a|, [g]x J = (sin t / t) [g]x - (1 - cos t) / t^2 (a g' - (a.g) 1) + (t - sin t) / t^3 (g x a) a'.
+    """
+    square, c = dot(a, a), rotation[0]
+    s = dot(a, (rotation[1], rotation[2], rotation[3])) / square  # sin(t / 2) / t
+    p, v = times(h * c * s, g), times(h * s * s, g)
+    u, d = times(0.5 * h * (2.0 * c * s - 1.0) / square, cross(g, a)), dot(a, v)
+    r0 = (moments[0] - d, moments[3] + p[2], moments[4] - p[1])
+    r1 = (moments[3] - p[2], moments[1] - d, moments[5] + p[0])
+    r2 = (moments[4] + p[1], moments[5] - p[0], moments[2] - d)
+    r0 = plus(r0, plus(times(a[0], v), times(u[0], a)))
+    r1 = plus(r1, plus(times(a[1], v), times(u[1], a)))
+    r2 = plus(r2, plus(times(a[2], v), times(u[2], a)))
+    return _solved(r0, r1, r2, b)
+
+
+@compiled(inline=True)
+def _solved(r0: Vector, r1: Vector, r2: Vector, b: Vector) -> Vector:
+    """Solve three linear equations, given by the rows of their matrix, by Cramer's rule."""
     c0, c1, c2 = cross(r1, r2), cross(r2, r0), cross(r0, r1)
     return times(1.0 / dot(r0, c0), plus(plus(times(b[0], c0), times(b[1], c1)), times(b[2], c2)))
