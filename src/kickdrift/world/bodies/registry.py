@@ -163,9 +163,7 @@ class Bodies:
         """Return the row of a body that forces move; ArgumentError for others."""
         row = self.row(body)
         if self.tables.row(BODY, row).item(BODY_KIND) != DYNAMIC:
-            raise ArgumentError(
-                f"forces do not move body={body!r}: it is the ground, static or kinematic; give a dynamic body."
-            )
+            raise ArgumentError(f"forces do not move body={body!r}, which is not dynamic; give a dynamic body.")
         return row
 
     def set_mass(self, row: int, mass: Mass, damping: Sequence[float], locked: bool = False) -> None:
@@ -256,10 +254,8 @@ class Bodies:
         """
         found = self._shape_rows.surface_numbers(self.row(body), name)
         if len(found) != 1:
-            if not found:
-                raise ArgumentError(f"body={body!r} has no shapes, and so no {name}; use a body with shapes.")
-            values = ", ".join(map(str, sorted(found)))
-            raise ArgumentError(f"body={body!r} has shapes of {name} {values}; set it to give all of them one value.")
+            several = f"shapes of {name} {', '.join(map(str, sorted(found)))}; set it to give all of them one value"
+            raise ArgumentError(f"body={body!r} has {several if found else f'no shapes, and so no {name}'}.")
         return found.pop()
 
     @undivided
