@@ -281,7 +281,7 @@ def test_handles_of_ropes():
 @pytest.mark.parametrize(
     ("points", "options", "words"),
     [
-        ([(0, 0, 0)], {}, "are 1; give two or more"),
+        ([(0, 0, 0)], {}, "has 1 row; a rope needs two or more"),
         ([], {}, "shape"),
         ([(0, 0), (1, 0)], {}, "shape"),
         ([(0, 0, 0), (np.nan, 0, 0)], {}, "point 1 is at .* not finite"),

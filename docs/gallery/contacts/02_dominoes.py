@@ -2,7 +2,7 @@
 Dominoes
 ========
 
-Forty dominoes in a row; the first is pushed. After the first few, the wave that runs through them has a constant speed, since
+Forty dominoes in a row; the first is pushed. After the first few, the wave runs through them at a constant speed, since
 each hits the next while it is falling.
 """
 

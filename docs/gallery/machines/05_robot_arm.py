@@ -2,8 +2,8 @@
 A robot arm draws a circle
 ==========================
 
-Three hinges and springs with dampers in them, whose targets follow the inverse kinematics of a circle. The tip follows with the
-error that springs need to carry the arm's weight; stiffer ones follow closer, and no stiffness is unstable.
+Springs with dampers drive three hinges, and their targets follow the inverse kinematics of a circle. The tip is off by what the
+springs deflect to carry the arm's weight; stiffer ones follow more closely, and no stiffness is unstable.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,9 @@
 Where methods are stable
 ========================
 
-Applied to :math:`y' = \\lambda y`, a Runge-Kutta method multiplies y by a number in each step; where it is below one, nothing grows. Explicit
-methods have small regions, the midpoint rule has exactly the left half of the plane, and Radau's damp what they do not resolve.
+Applied to :math:`y' = \\lambda y`, a Runge-Kutta method multiplies y by a number in each step; where its modulus is at most one,
+nothing grows. Explicit methods have small regions, the midpoint rule has exactly the left half of the plane, and Radau's methods
+damp what they do not resolve.
 """
 
 import matplotlib.pyplot as plt

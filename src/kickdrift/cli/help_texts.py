@@ -55,9 +55,9 @@ def _literal(text: str) -> str:
 
 RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>.png.
 
-The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at J2000 and up to
-ten years later. Ctrl-C ends a run early, and the states until then are written. With --checkpoint the same command resumes
-an interrupted run, even if the process was killed. With --save-to the states are written to disk during the run, where
+The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at times up to ten years
+after J2000. Ctrl-C ends a run early, and the states until then are written. With --checkpoint the same command resumes an
+interrupted run, even if the process was killed. With --save-to the states are written to disk during the run, where
 xarray can read them, and the other files are not written.
 
 \b
@@ -78,11 +78,11 @@ more than 20 s; with --contacts, the page shows the points at which bodies press
   kickdrift run pyramid
   kickdrift run ragdolls --duration 2 --step 0.01 --output humanoids
 
-A bodies file, bodies.toml, has these keys; all but the bodies are optional, and any other key is an error:
+A bodies file, such as bodies.toml, has these keys; all but the bodies are optional, and any other key is an error:
 
 {_literal(SAMPLE_TOML)}
 
-With bodies = "bodies.csv" at the top instead, the bodies are read from that file in the same folder:
+With bodies = "bodies.csv" at the top instead of [[bodies]], they are read from that file in the same folder:
 
 {_literal(SAMPLE_CSV)}
 """
@@ -91,8 +91,8 @@ VIEW = """Show a scene, a robot or a saved run in the browser (extra viewer).
 
 Scenes, robots (extra robots) and saved worlds run live on a page, in real time if steps are fast enough, with buttons to
 play, pause, step and reset, sliders for speed, substeps and the targets of joints, and a spring with which the mouse pulls
-bodies. Only this machine can open the page; Ctrl-C ends it. For a saved run, FILE.npz, a page that plays without a server
-is written beside it, FILE.html.
+bodies. Only this machine can open the page; Ctrl-C ends it. For a saved run, FILE.npz, a page that plays without a server,
+FILE.html, is written beside it.
 
 \b
   kickdrift view pyramid
@@ -114,8 +114,8 @@ in position at the end; plots the energy errors in <system>-energy.png.
 
 COMPILE = """Compile the code of worlds, pictures, systems and most methods in advance, on all cores.
 
-It takes minutes, once on a machine. Existing compiled code is kept. Without this command, each run compiles the code that it
-lacks.
+It takes minutes, once on a machine. Code that is compiled already is kept. Without this command, each run compiles the code
+that it lacks.
 
 \b
   kickdrift compile

@@ -161,7 +161,10 @@ def controlled(
     spelled: Callable[..., Spelled] = wanted.spelled
     if sees_v:
         if not isinstance(wanted, HairerSoderlind):
-            raise ArgumentError(f"density={named} depends on v, which kd.{type(wanted).__name__} does not allow.")
+            raise ArgumentError(
+                f"density={named} depends on v, which kd.{type(wanted).__name__} does not allow; use kd.HairerSoderlind, or a"
+                " density that depends on x alone."
+            )
         spelled = _seeing_v
     name = f"{_SCHEMES[type(wanted)]}, density by {named}"
     parts = {**system.parts, "density": density.function}

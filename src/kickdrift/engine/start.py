@@ -51,7 +51,9 @@ def start_of(problem: Any, x0: ArrayLike | None, v0: ArrayLike | None) -> Start:
     if x.size == 0:
         raise ArgumentError(f"x0 of shape {x.shape} is empty; give at least one number.")
     if isinstance(problem, System) and x.shape != problem.x0.shape:
-        raise ArgumentError(f"x0 has shape {x.shape} but {problem.name!r} has states of shape {problem.x0.shape}.")
+        raise ArgumentError(
+            f"x0 has shape {x.shape} but {problem.name!r} has states of shape {problem.x0.shape}; give that shape."
+        )
     if not has_velocity:
         return Start(x, np.zeros(0))
     v = _floats("v0", v0)

@@ -84,7 +84,7 @@ def _time_unit(t_span: Any, step: Any) -> Any:
             raise ArgumentError(f"{name}={value!r} has no unit, but other arguments have; give a time.")
     unit = units.unit_of(t_span)
     if not units.is_time(unit):
-        raise ArgumentError(f"t_span={t_span} is in {units.spelt(unit)}, which is not a unit of time.")
+        raise ArgumentError(f"t_span={t_span} is in {units.spelt(unit)}, which is not a unit of time; give two times.")
     return unit
 
 

@@ -163,7 +163,7 @@ class Bodies:
         """Return the row of a body that forces move; ArgumentError for others."""
         row = self.row(body)
         if self.tables.row(BODY, row).item(BODY_KIND) != DYNAMIC:
-            raise ArgumentError(f"forces do not move body={body!r}: it is the ground, static or kinematic.")
+            raise ArgumentError(f"forces do not move body={body!r}, which is not dynamic; give a dynamic body.")
         return row
 
     def set_mass(self, row: int, mass: Mass, damping: Sequence[float], locked: bool = False) -> None:
@@ -240,7 +240,7 @@ class Bodies:
         if columns.start == 3 and numbers.any() and self.locked(body):
             raise ArgumentError(
                 f"angular_velocity={numbers.tolist()} cannot be set for body={body!r}, whose rotation is locked;"
-                " unlock it."
+                " set locked_rotation = False first."
             )
         self.tables.row(MOTION, row)[columns] = numbers
 
@@ -254,8 +254,8 @@ class Bodies:
         """
         found = self._shape_rows.surface_numbers(self.row(body), name)
         if len(found) != 1:
-            what = "has no shapes" if not found else f"has shapes of {name} {', '.join(map(str, sorted(found)))}"
-            raise ArgumentError(f"body={body!r} {what}, so {name} has no single value.")
+            several = f"shapes of {name} {', '.join(map(str, sorted(found)))}; set it to give all of them one value"
+            raise ArgumentError(f"body={body!r} has {several if found else f'no shapes, and so no {name}'}.")
         return found.pop()
 
     @undivided

@@ -31,7 +31,7 @@ def rope_mesh(points: ArrayLike) -> ClothMesh:
     """
     places = vertices_of(points, "points", "point")
     if len(places) < 2:
-        raise ArgumentError(f"points={points!r} are {len(places)}; give two or more.")
+        raise ArgumentError(f"points has {len(places)} row{'s' * (len(places) != 1)}; a rope needs two or more.")
     lengths = lengths_of(places)
     short = np.flatnonzero(~(lengths > _SHORT * lengths.max()))
     if short.size:

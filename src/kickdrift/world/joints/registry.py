@@ -200,7 +200,9 @@ class Joints:
                 f"joint={joint!r} is not a joint; give a handle returned by World.add_hinge or the like."
             )
         if joint.joints is not self or not 0 <= joint.index < self.tables.count(JOINT):
-            raise ArgumentError(f"joint={joint!r} is a joint of another world.")
+            raise ArgumentError(
+                f"joint={joint!r} is a joint of another world; give one of this world, such as world.joint(name)."
+            )
         raise ArgumentError(f"joint={joint!r} was removed, or has broken; use an existing joint.")
 
     def knows(self, index: int, generation: int) -> bool:

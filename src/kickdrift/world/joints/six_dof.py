@@ -65,7 +65,7 @@ class SixDof(Record):
         for name, axes in (("linear", self.linear), ("angular", self.angular)):
             three = isinstance(axes, tuple | list) and len(axes) == 3
             if not (three and all(isinstance(axis, Axis) for axis in axes)):
-                raise ArgumentError(f"{name}={axes!r} must be three of kd.Axis, for x, y and z.")
+                raise ArgumentError(f"{name}={axes!r} must be three kd.Axis, for x, y and z.")
         angular, cone = self._angular()
         return Placement(anchor, anchor, frame, self.linear, angular, cone=cone)
 
@@ -75,7 +75,7 @@ class SixDof(Record):
         if x.locked or y.locked or z.locked:
             if self.swing_limit is not None:
                 raise ArgumentError(
-                    f"swing_limit={self.swing_limit!r} is for joints with three open angular axes; give the axes limits."
+                    f"swing_limit={self.swing_limit!r} is for joints with three open angular axes; limit the axes instead."
                 )
             return self.angular, False
         if x.limits is not None or y.limits is not None:

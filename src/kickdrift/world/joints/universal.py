@@ -55,5 +55,5 @@ class Universal(Record):
             if not isinstance(about, Axis):
                 raise ArgumentError(f"{name}={about!r} must be a kickdrift.Axis.")
         if self.about_a.locked or self.about_b.locked:
-            raise ArgumentError("about_a and about_b must be open; a joint with one open axis is a hinge.")
+            raise ArgumentError("about_a and about_b must be open; use add_hinge for a joint with one open axis.")
         return Placement(anchor, anchor, frame, (LOCKED, LOCKED, LOCKED), (self.about_a, self.about_b, LOCKED))
