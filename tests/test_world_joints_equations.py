@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from kickdrift.core.errors import UnsolvedWarning
 from kickdrift.scenes import worlds
 from kickdrift.world.joints.axis import FREE, LOCKED, Axis, Drive, Motor
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B
@@ -276,6 +277,32 @@ def net(rows, columns):
 
 
 @pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")  # energy is lost, which is said
+@pytest.mark.parametrize(("kind", "substeps"), [("fixed", 4), ("fixed", 8), ("hinge", 4)])
+def test_rigid_nets_whose_joints_are_solved_in_turn_gain_no_energy(kind, substeps):
+    random, world = np.random.default_rng(0), World(gravity=(0, 0, 0), substeps=substeps)
+    places = 0.2 * np.stack(np.meshgrid(np.arange(13), np.arange(13), [0.0], indexing="ij"), axis=-1)[:, :, 0]
+    balls = {}
+    for i, k in np.ndindex(13, 13):
+        options = {"mass": 10.0 ** random.uniform(-0.5, 0.5), "velocity": 0.3 * random.normal(size=3)}
+        balls[i, k] = world.add_sphere(0.05, position=places[i, k], **options)
+    for i, k in balls:
+        for near, axis in ((i + 1, k), (0, 1, 0)), ((i, k + 1), (1, 0, 0)):
+            if near in balls:
+                anchor = (places[i, k] + places[near]) / 2
+                if kind == "fixed":
+                    world.add_fixed_joint(balls[i, k], balls[near], anchor=anchor)
+                else:
+                    world.add_hinge(balls[i, k], balls[near], anchor=anchor, axis=axis)
+    with pytest.warns(UnsolvedWarning, match="too many loops"):
+        world.advance(STEP, 6)
+    assert "solve-in-turn" in str(world.word)
+    energy = world.energy().total
+    for _ in range(30):
+        world.advance(STEP, 10)
+        assert world.energy().total < 1.1 * energy
+    assert 0.2 * energy < world.energy().total, "the motion of the whole stays"
+
+
 def test_joints_solved_in_turn_keep_momentum_and_angular_momentum():
     world = net(10, 10)
     assert "solve-in-turn" in str(world.word)

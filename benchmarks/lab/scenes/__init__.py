@@ -10,6 +10,7 @@ from benchmarks.lab.scenes import (
     planar,
     plates,
     samples,
+    stacks,
     swinging,
     towers,
 )
@@ -17,6 +18,7 @@ from benchmarks.lab.trial import Trial
 
 TRIALS: tuple[Trial, ...] = (
     *towers.TRIALS,
+    *stacks.TRIALS,
     *plates.TRIALS,
     *samples.TRIALS,
     *friction.TRIALS,

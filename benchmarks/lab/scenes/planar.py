@@ -87,7 +87,7 @@ def _nets(side: int = 14, mesh: float = 0.2) -> Trial:
                     anchor = (places[i, k] + places[near]) / 2
                     builder.join(kind, side * i + k, side * near[0] + near[1], anchor, (0.0, 1.0, 0.0))
         scenes.append(builder.scene())
-    return Trial("planar: nets of 14 x 14 balls", tuple(scenes), 2.0, (rises(1e-6), apart(0.1)))
+    return Trial("planar: nets of 14 x 14 balls", tuple(scenes), 5.0, (rises(1e-6), apart(0.1)))
 
 
 TRIALS = (_zigzag(), _pyramid(), _towers(), _nets(), _bridge(True), _bridge(False))

@@ -24,7 +24,10 @@ _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
 # Turn in a part, rad, and most parts: 1.2e6 rad/s at 60 steps per second of 4 substeps, in a millisecond or two. The energy is
 # right to rounding; in turns of 1.5 it changes by 1e-5 in a second, and of 2 there may be no solution.
 _PART, _PARTS = 0.5, 10_000
-_NEAR, _LARGE = 1e-4, 2.0  # squares of the relative increment below, and of the turn above which w* is not iterated exactly
+_NEAR, _LARGE = (
+    1e-4,
+    2.0,
+)  # squares of the relative increment below, and of the turn above which w* is not iterated exactly
 _MOMENTS = 1e4  # largest ratio of moments of inertia allowed for: that of a rod a hundred times as long as it is thick
 
 

@@ -1,0 +1,94 @@
+"""Stacks of boxes drawn at random, which exact statics holds."""
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import linprog
+
+from benchmarks.lab.building import GRAVITY, GROUND, Builder
+from benchmarks.lab.measures import rests, sinks, stays
+from benchmarks.lab.trial import Trial
+from benchmarks.world.described import Floats, Scene
+
+_INWARDS = 0.12  # by which part of a shared face the forces lie inside of its edges
+_APART = 0.03  # m, between faces that do not touch
+_SAME = 1e-9  # m
+
+
+class _Box(NamedTuple):
+    """An upright box: centre and edges, (3,), m, and mass, kg."""
+
+    centre: Floats
+    edges: Floats
+    mass: float
+
+    @property
+    def low(self) -> Floats:
+        return self.centre - self.edges / 2
+
+    @property
+    def high(self) -> Floats:
+        return self.centre + self.edges / 2
+
+
+def _forces(boxes: list[_Box]) -> list[tuple[int, int, Floats]]:
+    """Return where vertical forces act: the body above, the one below or `GROUND`, and the place, (2,), m."""
+    forces = []
+    for above, box in enumerate(boxes):
+        faces = [(GROUND, box.low[:2], box.high[:2])] if box.low[2] < _SAME else []
+        for below, other in enumerate(boxes):
+            low, high = np.maximum(box.low, other.low)[:2], np.minimum(box.high, other.high)[:2]
+            if abs(other.high[2] - box.low[2]) < _SAME and (high > low).all():
+                faces.append((below, low, high))
+        for below, low, high in faces:
+            inwards = _INWARDS * (high - low)
+            for x, y in product(*zip(low + inwards, high - inwards, strict=True)):
+                forces.append((above, below, np.array([x, y])))
+    return forces
+
+
+def stands(boxes: list[_Box]) -> bool:
+    """Return whether forces that push, and lie well inside of the faces, balance the weight of each box."""
+    forces = _forces(boxes)
+    balance, weights = np.zeros((len(boxes), 3, len(forces))), np.zeros((len(boxes), 3))
+    weights[:, 0] = [GRAVITY * box.mass for box in boxes]
+    for column, (above, below, place) in enumerate(forces):
+        for body, sign in ((above, 1.0), (below, -1.0)):
+            if body != GROUND:
+                balance[body, :, column] += sign * np.array([1.0, *(place - boxes[body].centre[:2])])
+    cost = np.zeros(len(forces))
+    return bool(linprog(cost, A_eq=balance.reshape(-1, len(forces)), b_eq=weights.ravel()).status == 0)
+
+
+def draw(random: np.random.Generator, count: int, spread: float) -> list[_Box]:
+    """Put boxes of 0.3 to 1.2 m, with masses of 1 kg times or by up to 10**spread, on each other as long as they stand."""
+    boxes: list[_Box] = []
+    while len(boxes) < count:
+        edges, mass = random.uniform(0.3, 1.2, 3) * (1.0, 1.0, 0.6), 10.0 ** random.uniform(-spread, spread)
+        at, halves = random.uniform(-0.8, 0.8, 2), [(box.edges + edges)[:2] / 2 for box in boxes]
+        beside = [np.abs(box.centre[:2] - at) - half for box, half in zip(boxes, halves, strict=True)]
+        top = max((box.high[2] for box, gap in zip(boxes, beside, strict=True) if (gap < 0.0).all()), default=0.0)
+        near = [box.high[2] for box, gap in zip(boxes, beside, strict=True) if (gap < _APART).all()]
+        if all(high == top or high < top - _APART for high in near):
+            new = _Box(np.append(at, top + edges[2] / 2), edges, mass)
+            boxes += [new] if stands([*boxes, new]) else []
+    return boxes
+
+
+def _scene(boxes: list[_Box]) -> Scene:
+    builder = Builder()
+    builder.plane()
+    for box in boxes:
+        builder.box(box.edges, position=box.centre, mass=box.mass)
+    return builder.scene()
+
+
+def _trial(spread: float, members: int = 8) -> Trial:
+    random = np.random.default_rng(31)
+    scenes = tuple(_scene(draw(random, int(random.integers(6, 22)), spread)) for _ in range(members))
+    masses = f"masses up to 1:{10.0 ** (2 * spread):.0f}" if spread else "equal masses"
+    return Trial(f"{members} stacks drawn at random, {masses}", scenes, 10.0, (rests(), stays(0.03), sinks(0.05)))
+
+
+TRIALS = (_trial(0.0), _trial(1.0), _trial(2.0))
