@@ -4,7 +4,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linprog
+from scipy.optimize import nnls
 
 from benchmarks.lab.building import GRAVITY, GROUND, Builder
 from benchmarks.lab.measures import rests, sinks, stays
@@ -14,6 +14,7 @@ from benchmarks.world.described import Floats, Scene
 _INWARDS = 0.12  # by which part of a shared face the forces lie inside of its edges
 _APART = 0.03  # m, between faces that do not touch
 _SAME = 1e-9  # m
+_BALANCED = 1e-8  # of the largest weight, which rounding may leave
 
 
 class _Box(NamedTuple):
@@ -34,12 +35,13 @@ class _Box(NamedTuple):
 
 def _forces(boxes: list[_Box]) -> list[tuple[int, int, Floats]]:
     """Return where vertical forces act: the body above, the one below or `GROUND`, and the place, (2,), m."""
-    forces = []
+    forces, tops = [], [float(box.high[2]) for box in boxes]
     for above, box in enumerate(boxes):
-        faces = [(GROUND, box.low[:2], box.high[:2])] if box.low[2] < _SAME else []
-        for below, other in enumerate(boxes):
-            low, high = np.maximum(box.low, other.low)[:2], np.minimum(box.high, other.high)[:2]
-            if abs(other.high[2] - box.low[2]) < _SAME and (high > low).all():
+        at = float(box.low[2])
+        faces = [(GROUND, box.low[:2], box.high[:2])] if at < _SAME else []
+        for below in (number for number, top in enumerate(tops) if abs(top - at) < _SAME):
+            low, high = np.maximum(box.low, boxes[below].low)[:2], np.minimum(box.high, boxes[below].high)[:2]
+            if (high > low).all():
                 faces.append((below, low, high))
         for below, low, high in faces:
             inwards = _INWARDS * (high - low)
@@ -57,8 +59,8 @@ def stands(boxes: list[_Box]) -> bool:
         for body, sign in ((above, 1.0), (below, -1.0)):
             if body != GROUND:
                 balance[body, :, column] += sign * np.array([1.0, *(place - boxes[body].centre[:2])])
-    cost = np.zeros(len(forces))
-    return bool(linprog(cost, A_eq=balance.reshape(-1, len(forces)), b_eq=weights.ravel()).status == 0)
+    _, left = nnls(balance.reshape(-1, len(forces)), weights.ravel())
+    return bool(left < _BALANCED * np.abs(weights).max())
 
 
 def draw(random: np.random.Generator, count: int, spread: float) -> list[_Box]:
@@ -84,7 +86,7 @@ def _scene(boxes: list[_Box]) -> Scene:
     return builder.scene()
 
 
-def _trial(spread: float, members: int = 8) -> Trial:
+def _trial(spread: float, members: int = 6) -> Trial:
     random = np.random.default_rng(31)
     scenes = tuple(_scene(draw(random, int(random.integers(6, 22)), spread)) for _ in range(members))
     masses = f"masses up to 1:{10.0 ** (2 * spread):.0f}" if spread else "equal masses"
