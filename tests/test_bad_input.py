@@ -315,3 +315,23 @@ def test_descriptions_take_what_they_are_given_or_say_why_not(argument, value):
     problem = kd.Newtonian(lambda x: -x, **{argument: value})
     with pytest.raises(ArgumentError, match=f"{argument}="):
         kd.solve(problem, (0, 1), x0=[1.0], v0=[0.0], step=0.1)
+
+
+def test_names_of_numbers_belong_to_ensembles():
+    with pytest.raises(ArgumentError, match=r"in order: give args=\(4\.0, 1\)"):
+        kd.solve(lambda x, params: -params[0] * x, **GOOD, args={"k": 4.0, "c": 1})
+
+
+@pytest.mark.parametrize(
+    ("solve", "start"), [(kd.solve, {"x0": 1.0, "v0": 0.0}), (kd.solve_ensemble, {"x0": [1.0], "v0": [0.0]})]
+)
+def test_a_number_that_is_indexed_is_said_to_be_one(solve, start):
+    with pytest.raises(ArgumentError, match=r"scalar variable\. x is one number: .* one list per member"):
+        solve(lambda x: -x[0], **GOOD | start)
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_an_index_beyond_params_says_nothing_of_x(compiled):
+    with pytest.raises(ArgumentError, match=r"[^.]\. Pass the numbers of params") as caught:
+        kd.solve(lambda x, params: -params[0] * x, **GOOD | {"compile": compiled})
+    assert "x is one number" not in str(caught.value)

@@ -214,6 +214,7 @@ def test_a_regular_orbit_makes_a_curve_and_a_chaotic_one_an_area(small_pictures,
 def test_the_events_of_a_solution_are_a_section():
     sol = kd.solve(OSCILLATOR, (0.0, 20.0), step=0.05, events=[lambda v: v, lambda x: x])
     section = analysis.poincare_section(sol, 1)
+    assert repr(section).startswith(f"<PoincareSection of {section.system}: {section.t.size} crossings from t=")
     assert np.array_equal(section.t, sol.t_events[1])
     assert np.array_equal(section.v, sol.v_events[1])
     for number in (2, -1, None):

@@ -385,8 +385,9 @@ def test_steps_that_vary_go_on_too(control, tmp_path, monkeypatch):
     assert [zeros.size for zeros in again.t_events] == [zeros.size for zeros in whole.t_events]
     with pytest.raises(kd.ArgumentError, match="with another t_span; name"):
         solve(tmp_path / "run", end=60.0, **options)
-    with pytest.raises(kd.ArgumentError, match="the steps vary"):
-        on.continue_to(60.0)
+    further, whole = on.continue_to(60.0), solve(end=60.0, **options)
+    assert (further.n_steps, further.step_range) == (whole.n_steps, whole.step_range)
+    assert all(map(np.array_equal, further.x_events, whole.x_events))
 
 
 def falling(x):

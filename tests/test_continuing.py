@@ -1,6 +1,7 @@
 """Solutions that go on: with the bits of one run over the whole span."""
 
 import copy
+import functools
 import math
 import pickle
 
@@ -176,7 +177,7 @@ def test_solutions_in_units_go_on():
         on.continue_to(30)
 
 
-def test_steps_that_vary_go_on_to_their_end_alone():
+def test_varied_steps_that_an_event_ended_go_on_to_their_end():
     def there(x):
         return x[1]
 
@@ -190,6 +191,72 @@ def test_steps_that_vary_go_on_to_their_end_alone():
         on = on.continue_to(30.0)
     assert np.array_equal(on.x, whole.x)
     assert np.array_equal(on.t, whole.t)
-    for solution, t in ((stopped, 40.0), (on, 30.0), (on, 40.0)):
-        with pytest.raises(kd.ArgumentError, match="the steps vary"):
-            solution.continue_to(t)
+    for t in (30.0, -1.0, math.nan, math.inf):
+        with pytest.raises(kd.ArgumentError, match=r"beyond the end of the solution, 30\.0"):
+            on.continue_to(t)
+    with pytest.raises(kd.ArgumentError, match="must be a time"):
+        on.continue_to("late")
+    with pytest.raises(kd.ArgumentError, match="use return_to"):
+        on.return_to(10.0).continue_to(5.0)
+
+
+def forced(t, x):
+    return -x - x**3 + math.cos(2 * t)
+
+
+def sprung(x, params):
+    return -x if params[-1] > 0 else -4 * x
+
+
+FLOOR = kd.Impacts(lambda x: x, restitution=0.8)
+VARIED = {
+    "density": (forced, {"step": 0.02, "step_control": lambda x: 1 + x * x}),
+    "error": (forced, {"step": 0.02, "rtol": 1e-9, "atol": 1e-9, "method": "dop853"}),
+    "impacts": (lambda x: -9.81, {"step": 1 / 64, "method": "velocity-verlet", "impacts": FLOOR}),
+    "switch": (sprung, {"step": 1 / 16, "method": "blanes-moan-srkn6b", "switches": lambda x: x}),
+}
+
+
+@pytest.mark.parametrize("kept", [{}, {"save_every": 7}, {"t_eval": [1.5, 0.25, 1.5]}], ids=["all", "every", "times"])
+@pytest.mark.parametrize("name", VARIED)
+def test_steps_that_vary_go_on_beyond_their_end_with_the_bits_of_one_run(name, kept):
+    force, options = VARIED[name]
+    solve = functools.partial(kd.solve, force, x0=1.0, v0=0.0, events=crossing, **options)
+    part, longer = solve(t_span=(0.0, 2.0), **kept), dict(kept)
+    if "t_eval" in longer:
+        longer["t_eval"] = [*longer["t_eval"], 5.0]
+    whole = solve(t_span=(0.0, 5.0), **longer)
+    for on in (part.continue_to(5.0), part.continue_to(3.0).continue_to(5.0)):
+        if "t_eval" in kept:
+            assert on.t.tolist() == whole.t.tolist()[:3] + [3.0] * (on.t.size - 4) + [5.0]
+            assert np.array_equal(on.x[[0, 1, 2, -1]], whole.x)
+        else:
+            same(on, whole)
+            assert kept or np.array_equal(on(np.linspace(0.0, 5.0, 33)).x, whole(np.linspace(0.0, 5.0, 33)).x)
+        assert np.array_equal(on.t_events[0], whole.t_events[0])
+    assert part.t[-1] in (2.0, 1.5)
+
+
+@pytest.mark.parametrize("end", [20.0, 25.0])
+def test_an_event_that_ended_varied_steps_does_not_end_them_again(end):
+    def second(x):
+        return x
+
+    second.terminal = 2
+    options = {"x0": 1.0, "v0": 0.0, "rtol": 1e-8, "atol": 1e-8, "method": "dop853"}
+    all_zeros = kd.solve(forced, (0.0, end), step=0.02, events=crossing, **options).t_events[0]
+    on = kd.solve(forced, (0.0, 20.0), step=0.02, events=second, **options)
+    for stop in range(2, all_zeros.size + 1, 2):
+        assert on.status is kd.Outcome.STOPPED
+        assert on.t_events[0] == pytest.approx(all_zeros[:stop], abs=1e-6)
+        on = on.continue_to(end)
+    assert on.status is kd.Outcome.COMPLETED
+    assert on.t[-1] == end
+    assert on.t_events[0].size == all_zeros.size
+
+
+def test_most_steps_count_anew_where_varied_steps_go_on_beyond_their_end():
+    options = {"x0": 1.0, "v0": 0.0, "step": 0.02, "step_control": lambda x: 1 + x * x, "max_steps": 50}
+    some = kd.solve(forced, (0.0, 2.0), **options).continue_to(3.0)
+    assert (some.status, some.n_steps) == (kd.Outcome.STEP_LIMIT, 100)
+    assert np.array_equal(some.continue_to(3.0).x[:100], some.x[:100])

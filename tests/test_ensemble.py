@@ -609,6 +609,16 @@ def test_what_cannot_be_is_said_before_the_run(changes, sentence):
         kd.solve_ensemble(given.pop("problem"), SPAN, given.pop("x0"), given.pop("v0"), **given)
 
 
+def test_members_that_are_not_there_are_said_to_be():
+    runs = kd.solve_ensemble(kd.systems.pendulum(), (0.0, 1.0), [0.1, 0.2], step=0.1)
+    assert runs[-1].x[0] == 0.2
+    for i in (2, -3):
+        with pytest.raises(IndexError, match=rf"no member {i}: they are 0 to 1"):
+            runs[i]
+    with pytest.raises(ArgumentError, match="number of one member"):
+        runs[0:2]
+
+
 def test_a_method_that_does_not_fit_is_refused():
     with pytest.raises(MethodMismatchError):
         kd.solve_ensemble(kd.FirstOrder(lambda y: -y), SPAN, np.ones((3, 1)), step=0.1, method="leapfrog")

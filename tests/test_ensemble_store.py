@@ -386,3 +386,14 @@ def test_a_damaged_folder_is_said_to_be(name, content, tmp_path):
     (tmp_path / "run.zarr" / name).write_bytes(content)
     with pytest.raises(FileFormatError, match=r"run\.zarr.* (damaged|cannot be read)"):
         np.asarray(run().x)
+
+
+def test_a_flipped_bit_on_disk_is_an_error(tmp_path):
+    path = tmp_path / "run.zarr"
+    kd.solve_ensemble(kd.systems.pendulum(), (0.0, 1.0), [0.1, 0.2], step=0.1, save_to=path)
+    chunk = path / "x" / "c" / "0" / "0"
+    damaged = bytearray(chunk.read_bytes())
+    damaged[11] ^= 4
+    chunk.write_bytes(damaged)
+    with pytest.raises(FileFormatError, match=r"run\.zarr.* cannot be read"):
+        np.asarray(kd.load(path).x)

@@ -227,6 +227,21 @@ def test_a_function_that_raises_ends_the_run_at_the_last_step_before(compile_):
     assert sol.t[-1] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("fault", ["raise", "return"])
+def test_the_cause_of_a_nan_is_known_without_another_call(fault):
+    calls = []
+
+    def late(t, x):
+        calls.append(t)
+        if t > 1.0 and fault == "raise":
+            raise ValueError(f"call {calls.count(t)}")
+        return np.nan if t > 1.0 else 1.0
+
+    sol = kd.solve(lambda x: -x, (0.0, 1.5), 1.0, 0.0, step=0.25, events=late, compile=False, progress=False)
+    assert f"late, {fault}" in sol.message
+    assert calls.count(1.25) == 1
+
+
 def test_what_goes_wrong_before_an_event_and_after_one():
     def bad_at_one(t, x):
         return -x if t < 1.0 else np.inf

@@ -156,3 +156,7 @@ def test_options_of_other_solvers_are_warned_of_and_states_that_overflow_are_sai
         sol = solve_ivp(lambda t, y: [y[1], y[0] ** 3], (0.0, 50.0), [9.0, 9.0], ks.StormerVerlet, step=0.1)
     assert not sol.success
     assert "not finite" in sol.message
+
+
+def test_classes_have_the_names_under_which_they_are_found():
+    assert all(getattr(ks, solver.__name__) is solver for solver in SOLVERS)

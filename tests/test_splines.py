@@ -220,3 +220,8 @@ def test_ensembles_that_leave_a_table_are_refused_before_the_run():
             t_eval=[TIMES[-1] + 0.2],
             switches=lambda t: switch(t),
         )
+
+
+def test_an_array_of_times_is_refused():
+    with pytest.raises(ArgumentError, match=r"takes one number, not an array of shape \(2,\)"):
+        kd.spline(TIMES, np.sin(TIMES))(np.array([1.0, 2.0]))

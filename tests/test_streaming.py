@@ -444,3 +444,14 @@ def test_a_folder_is_loaded_as_what_was_returned(tmp_path):
         for name in ("status", "message", "saved_to", "n_steps", "about", "wall_time"):
             assert getattr(loaded, name) == getattr(stored, name), name
         assert loaded.to_xarray().identical(stored.to_xarray())
+
+
+@pytest.mark.parametrize("name", ["x", "v", "time", "energy"])
+def test_a_flipped_bit_on_disk_is_an_error(name, tmp_path):
+    solve(tmp_path / "run.zarr")
+    chunk = next(path for path in (tmp_path / "run.zarr" / name / "c").rglob("*") if path.is_file())
+    damaged = bytearray(chunk.read_bytes())
+    damaged[11] ^= 4
+    chunk.write_bytes(damaged)
+    with pytest.raises(ValueError, match="checksum"):
+        opened(tmp_path / "run.zarr")

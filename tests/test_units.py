@@ -168,3 +168,11 @@ def test_it_goes_on_in_its_units(u):
     assert np.array_equal(number(further.x, u.m), number(longer.x, u.m))
     with pytest.raises(ArgumentError, match=r"t=.* has no unit"):
         sol.continue_to(10.0)
+
+
+def test_what_takes_no_units_says_so(u):
+    start = {"x0": [1.0, 2.0] * u.m, "v0": [0.0, 0.0] * u.m / u.s}
+    with pytest.raises(ArgumentError, match=r"x0=.* it has a unit, which would be lost: give plain numbers"):
+        kd.solve_ensemble(lambda x: -x, (0.0, 1.0), **start, step=0.1)
+    with pytest.raises(ArgumentError, match=r"t_span=.* it has a unit, which would be lost: give plain numbers"):
+        kd.analysis.lyapunov_exponent(lambda x: -x, (0 * u.s, 1 * u.s), **start, step=0.1)

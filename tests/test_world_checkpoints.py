@@ -145,8 +145,11 @@ def test_arguments_that_cannot_be_are_refused(others, words, tmp_path, monkeypat
 
 
 def test_a_recording_says_that_the_world_goes_on():
+    recording = run(pile())
     with pytest.raises(kd.KickdriftError, match=r"world\.run"):
-        run(pile()).continue_to(5.0)
+        recording.continue_to(5.0)
+    with pytest.raises(kd.KickdriftError, match="known at its steps alone"):
+        recording(0.1)
 
 
 @pytest.mark.parametrize("target", ["kepler", "bouncing-disk"])

@@ -191,7 +191,7 @@ def solver(method: str | Method) -> type[SplittingSolver]:
             f"method={found.name!r} needs more than kicks and drifts, which are all that fun defines; use"
             " kickdrift.solve."
         )
-    name = "".join(part.capitalize() for part in found.name.split("-"))
+    name = "".join(part.capitalize() for part in (method if isinstance(method, str) else found.name).split("-"))
     return type(
         name, (SplittingSolver,), {"method": found, "__doc__": f"{found.name}, order {found.order}: {found.source}."}
     )

@@ -20,7 +20,7 @@ from kickdrift.systems.system import System
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PoincareSection:
     """Crossings of a surface.
 
@@ -40,6 +40,10 @@ class PoincareSection:
     v: Floats
 
     presenter: ClassVar[Callable[..., Any]]
+
+    def __repr__(self) -> str:
+        times = f" from t={self.t[0]:g} to {self.t[-1]:g}" if self.t.size else ""
+        return f"<PoincareSection of {self.system}: {self.t.size} crossings{times}>"
 
     def plot(self, path: Any = None, *, axes: tuple[str, str] | None = None, ax: Any = None) -> Any:
         """Plot the crossings, see `kickdrift.plots.plot_poincare_sections`; return the matplotlib figure."""

@@ -17,8 +17,8 @@ def ends_of(t_span: Any) -> tuple[float, float]:
     """
     try:
         begin, end = (real(time) for time in t_span)
-    except (TypeError, ValueError):
-        begin = end = math.nan
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"t_span={t_span!r} must be two times, (start, end): {error}.") from None
     if not (math.isfinite(begin) and math.isfinite(end) and begin != end):
         raise ArgumentError(f"t_span={t_span!r} must be two finite times that differ, (start, end).")
     return begin, end

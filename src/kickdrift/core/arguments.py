@@ -35,7 +35,7 @@ def reals(value: Any) -> Floats:
         with suppress(OverflowError):  # reported below
             return np.array(value, dtype=np.float64)
     if has_unit(value):
-        raise TypeError("it has a unit, which would be lost")
+        raise TypeError("it has a unit, which would be lost: give plain numbers")
     if np.ma.is_masked(value):
         raise TypeError("it has masked entries, whose mask would be lost: fill them, or leave them out")
     try:

@@ -1,10 +1,15 @@
 """Runs that continue from their current state, with the bits of an uninterrupted run, or go back from there."""
 
+import math
 from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+from kickdrift.core.arguments import real
 from kickdrift.core.errors import ArgumentError, FileFormatError
+from kickdrift.engine.flows.layout import CLOCK
 from kickdrift.engine.grid import Course, Grid, lengthen
 from kickdrift.engine.report import report
 from kickdrift.engine.reversal import back_from
@@ -34,22 +39,46 @@ class Continuation:
         """Run on to another end, see `Solution.continue_to`, or back; see `Solution.return_to`."""
         if back:
             return carry_out(back_from(self.task, self.standing, t))
+        try:
+            t = real(t)
+        except TypeError:
+            raise ArgumentError(f"t={t!r} must be a time, the new end.") from None
         grid = self._grid(t)
         if self.task.tables is not None:
             self.task.tables.check(grid)
-        return carry_out(Journey(replace(self.task, grid=grid), self.standing))
+        task = replace(self.task, grid=grid)
+        if isinstance(grid, Grid) or grid is self.task.grid:
+            return carry_out(Journey(task, self.standing))
+        journey = Journey(task)  # from the start: the last steps of a run, where they vary, depend on its end
+        if journey.watch is not None:
+            journey.watch.beyond = self._stopped
+        return carry_out(journey)
+
+    @property
+    def _stopped(self) -> float | None:
+        """Time of the latest event that ended the run, or one that it continued."""
+        return None if self.standing.seen is None else self.standing.seen.beyond
 
     def _grid(self, t: float) -> Grid | Course:
-        grid = self.task.grid
+        grid, standing = self.task.grid, self.standing
         if isinstance(grid, Grid):
-            return lengthen(grid, t, self.standing.step, self.task.system.x0.size)
-        if self.ended or t != grid.t1:
-            rest = "" if self.ended else f" This run can be continued to its end, {grid.t1!r}."
+            return lengthen(grid, t, standing.step, self.task.system.x0.size)
+        if t == grid.t1 and not self.ended:
+            return grid
+        if grid.returns:
             raise ArgumentError(
-                f"t={t!r}: the steps vary, and the steps and rows of this run depend on its end; solve to the later"
-                f" end from the start, with checkpoint='folder' if that takes long.{rest}"
+                f"t={t!r}: these are the steps of another run in reverse; use return_to(t) of that one."
             )
-        return grid
+        times = [grid.t1 if self.ended else float(standing.state.work[CLOCK]), self._stopped]
+        reached = max((time for time in times if time is not None), key=lambda time: time * grid.step)
+        if not (math.isfinite(t) and (t - reached) * grid.step > 0.0):
+            raise ArgumentError(
+                f"t={t!r} must be finite, and beyond the end of the solution, {reached!r}; for earlier times use"
+                " solution(t)."
+            )
+        wanted = None if grid.wanted is None else np.append(grid.wanted[(grid.wanted - t) * grid.step < 0.0], t)
+        marks = np.array([t]) if wanted is None else np.unique(wanted)[:: 1 if grid.step > 0.0 else -1].copy()
+        return replace(grid, t1=t, marks=marks, wanted=wanted, most=grid.most + standing.step)
 
 
 def carry_out(journey: Journey) -> Solution:

@@ -5,48 +5,54 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.calls import call_interpreted
+from kickdrift.core.errors import KickdriftError
 from kickdrift.engine.event_functions import Event
 from kickdrift.engine.quantities import evaluate_quantity
 from kickdrift.engine.zeros import too_fast
 from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
+Raised = dict[int, Exception]  # errors of a function, by the rows at which it raised them
 
 
-def values_of(quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats) -> Floats:
+def values_of(quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats, raised: Raised) -> Floats:
     """Evaluate a function of the state; where it raises, its value is NaN, and of a compiled one all later values are."""
     try:
-        return evaluate_quantity(quantity, system, t, x, v)
+        return evaluate_quantity(quantity, system, t, x, v, raised=raised)
     except Exception:  # compiled code does not tell at which state
         values = np.full(t.size, np.nan)
         for row in range(t.size):
             try:
-                values[row] = evaluate_quantity(quantity, system, *(each[row : row + 1] for each in (t, x, v)))[0]
-            except Exception:
+                values[row] = evaluate_quantity(quantity, system, t[row : row + 1], x[row : row + 1], v[row : row + 1])[
+                    0
+                ]
+            except Exception as error:
+                raised[row] = error
                 break
         return values
 
 
-def cause_of_nan(event: Event, system: System, row: int, t: Floats, x: Floats, v: Floats) -> str:
-    """Tell what an event does at a row at which its value is NaN: raise an error, or return NaN."""
-    at, quantity = f"at t={float(t[row])!r}", event.quantity
-    try:
-        if hasattr(quantity.function, "py_func"):
-            evaluate_quantity(quantity, system, *(each[row : row + 1] for each in (t, x, v)))
-        else:
-            params = system.params if quantity.params is None else quantity.params
-            with np.errstate(all="ignore"):
-                call_interpreted(
-                    quantity.function, (t[row], x[row].reshape(-1), v[row].reshape(-1), params, np.zeros(1))
-                )
-    except Exception as error:
-        return f"{event.name}, raised {type(error).__name__} {at}" + (f": {error}" if str(error) else "")
-    return f"{event.name}, returned NaN {at}"
+def check_numbers(event: Event, t: Floats, values: Floats, raised: Raised) -> None:
+    """Refuse values that are NaN.
+
+    Raises
+    ------
+    KickdriftError
+    """
+    if (bad := np.isnan(values)).any():
+        row = int(np.argmax(bad))
+        raise KickdriftError(_cause_of_nan(event, float(t[row]), raised.get(row)))
+
+
+def _cause_of_nan(event: Event, t: float, error: Exception | None) -> str:
+    """Tell what an event did at a time at which its value is NaN: raise an error, or return NaN."""
+    if error is None:
+        return f"{event.name}, returned NaN at t={t!r}"
+    return f"{event.name}, raised {type(error).__name__} at t={t!r}" + (f": {error}" if str(error) else "")
 
 
 def first_bad(
-    events: Sequence[Event], system: System, t: Floats, x: Floats, v: Floats, values: Sequence[Floats], jumps: bool
+    events: Sequence[Event], t: Floats, values: Sequence[Floats], raised: Sequence[Raised], jumps: bool
 ) -> tuple[int | None, str]:
     """Return the first row at which a value is NaN, or refutes the bound of its rate, and a sentence on it.
 
@@ -54,7 +60,7 @@ def first_bad(
     """
     found: int | None = None
     why = ""
-    for event, value in zip(events, values, strict=True):
+    for event, value, errors in zip(events, values, raised, strict=True):
         nan = np.isnan(value)
         bad = nan.copy()
         if event.rate_bound is not None and not jumps:
@@ -62,7 +68,7 @@ def first_bad(
         if bad.any() and (found is None or int(np.argmax(bad)) < found):
             found = int(np.argmax(bad))
             if nan[found]:
-                why = f" {cause_of_nan(event, system, found, t, x, v)}."
+                why = f" {_cause_of_nan(event, float(t[found]), errors.get(found))}."
             else:
                 why = (
                     f" {event.name}, changes by {abs(value[found] - value[found - 1]):.3g} in the step of"

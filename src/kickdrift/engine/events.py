@@ -12,9 +12,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import KickdriftError
 from kickdrift.engine.event_functions import Event, check_path
-from kickdrift.engine.event_values import cause_of_nan, first_bad, values_of
+from kickdrift.engine.event_values import Raised, check_numbers, first_bad, values_of
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.strikes import Strikes, strikes_at
 from kickdrift.engine.surface_events import Surfaces
@@ -80,6 +79,8 @@ class Watch:
         Steps that may be looked at at once.
     evaluations : int
         Of the force, in search of zeros.
+    beyond : float or None
+        Time up to which no zero ends the run.
     """
 
     def __init__(
@@ -93,15 +94,14 @@ class Watch:
         self.events, self._system, self._processing, self._end = events, system, processing, end
         self._surfaces = surfaces
         self.most = max(1, min(_MOST_ROWS, _NUMBERS // max(system.x0.size, 1)))
-        self.evaluations = 0
+        self.evaluations, self._sign = 0, 1.0  # the sign of the steps
         self._zeros: list[Zero] = []
         self._jumps: list[Zero] = []  # those of them at which a function is not zero
         self._waiting: list[tuple[int, Brackets]] = []  # zeros that end nothing: sought many at once
         self._due: list[tuple[int, Brackets]] = []  # zeros that may end the run, of this look
         self._x, self._v = system.x0[None], system.v0[None]
         self._spent: list[tuple[Floats, NDArray[np.int64]]] = []  # in the last look: starts of steps, and evaluations
-        self._sign = 1.0  # of the steps
-        self._beyond: float | None = None
+        self.beyond: float | None = None
 
     def seen(self, t: float, near: float, beyond: float | None) -> Seen:
         """Return the zeros found up to a time, and those `near` to it; no zero up to `beyond`, if given, will end the run."""
@@ -113,7 +113,7 @@ class Watch:
         zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
         later = sum(zero.evaluations for zero in self._zeros) - sum(zero.evaluations for zero in zeros)  # sought again
         later += spent_from(self._spent, t, sign, at_it=True)
-        return Seen(zeros, tuple(waiting), self.evaluations - later, self._beyond if beyond is None else beyond)
+        return Seen(zeros, tuple(waiting), self.evaluations - later, self.beyond if beyond is None else beyond)
 
     def go_on(self, seen: Seen, step: float, t: float, x: Floats, v: Floats) -> None:
         """Continue from a time, with the zeros found up to there and the state of the loop then, which is overwritten.
@@ -121,7 +121,7 @@ class Watch:
         The direction is that of `step`: the last one may have led beyond the end.
         """
         self._zeros, self._waiting = list(seen.zeros), list(seen.waiting)
-        self.evaluations, self._beyond, self._sign = seen.evaluations, seen.beyond, math.copysign(1.0, step)
+        self.evaluations, self.beyond, self._sign = seen.evaluations, seen.beyond, math.copysign(1.0, step)
         self._x, self._v = self._processing.seen(np.array([t]), x[None], v[None])
 
     def look(self, t: Floats, xs: Floats, vs: Floats) -> Found:
@@ -130,8 +130,9 @@ class Watch:
         xs, vs = self._processing.seen(t[1:], xs, vs)
         count, self._sign = t.size - 1, math.copysign(1.0, t[-1] - t[0])
         xs, vs = np.concatenate((self._x, xs)), np.concatenate((self._v, vs))
-        values = [self._values(k, t, xs, vs) for k in range(len(self.events))]
-        bad, why = first_bad(self.events, self._system, t, xs, vs, values, jumps=self._surfaces is not None)
+        raised: list[Raised] = [{} for _ in self.events]
+        values = [self._values(k, t, xs, vs, raised[k]) for k in range(len(self.events))]
+        bad, why = first_bad(self.events, t, values, raised, jumps=self._surfaces is not None)
         steps = count if bad is None else max(bad - 1, 0)
         strikes = self._strikes(t[: steps + 1], xs[: steps + 1], vs[: steps + 1], values)
         for k, value in enumerate(values):
@@ -161,13 +162,13 @@ class Watch:
         self._x, self._v = xs[steps : steps + 1], vs[steps : steps + 1]
         return Found(steps, stop, failure, any(zero is stop for zero in self._jumps))
 
-    def _values(self, event: int, t: Floats, x: Floats, v: Floats) -> Floats:
-        return values_of(self.events[event].quantity, self._system, t, x, v)
+    def _values(self, event: int, t: Floats, x: Floats, v: Floats, raised: Raised | None = None) -> Floats:
+        return values_of(self.events[event].quantity, self._system, t, x, v, {} if raised is None else raised)
 
     def _all_values(self, event: int, t: Floats, x: Floats, v: Floats) -> Floats:
-        values = self._values(event, t, x, v)
-        if (bad := np.isnan(values)).any():
-            raise KickdriftError(cause_of_nan(self.events[event], self._system, int(np.argmax(bad)), t, x, v))
+        raised: Raised = {}
+        values = self._values(event, t, x, v, raised)
+        check_numbers(self.events[event], t, values, raised)
         return values
 
     def _note(self, event: int, brackets: Brackets) -> None:
@@ -239,7 +240,7 @@ class Watch:
         """Return the first zero that ends the run."""
         counts = [0] * len(self.events)
         for zero in sorted(self._zeros, key=lambda zero: zero.t * self._sign):
-            if self._beyond is not None and self._sign * zero.t <= self._sign * self._beyond:
+            if self.beyond is not None and self._sign * zero.t <= self._sign * self.beyond:
                 continue
             counts[zero.event] += 1
             if 0 < self.events[zero.event].terminal <= counts[zero.event]:

@@ -212,10 +212,6 @@ def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
         For an end that is not a whole number of steps away, or not after the steps that are `done`; and for more rows than fit
         in memory.
     """
-    try:
-        t1 = real(t1)
-    except TypeError:
-        raise ArgumentError(f"t={t1!r} must be a time, the new end.") from None
     ahead = (t1 - grid.t0) / grid.step
     if not math.isfinite(t1) or ahead > 2**53:
         raise ArgumentError(f"t={t1!r} must be finite, and less than 2**53 steps of {grid.step!r} away.")

@@ -168,9 +168,11 @@ class Adapter:
         except KickdriftError:
             raise
         except IndexError as error:
+            number = "" if self.x0.shape else " x is one number: give x0 as a list, of an ensemble one list per member."
             raise ArgumentError(
                 f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with"
-                f" {self.users_args.size} args: IndexError: {error}. Pass the numbers of params as args=(...)."
+                f" {self.users_args.size} args: IndexError: {str(error).rstrip('.')}.{number} Pass the numbers of params as"
+                " args=(...)."
             ) from error
         except Exception as error:
             wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape or self.x0.shape}"

@@ -51,12 +51,14 @@ def _evaluate_inside(quantity: Any) -> Function:
     return compiled(users=True)(specialise(_evaluate.py_func, name, call=inside))  # type: ignore[attr-defined]
 
 
-def _call_or_nan(quantity: Function, arguments: tuple[Any, ...]) -> None:
-    """Call a quantity; if it raises, its value is NaN, so that the run is not lost."""
+def _call_or_nan(quantity: Function, arguments: tuple[Any, ...]) -> Exception | None:
+    """Call a quantity; if it raises, its value is NaN, so that the run is not lost, and the error is returned."""
     try:
         call_interpreted(quantity, arguments)
-    except Exception:
+    except Exception as error:
         arguments[-1][:] = np.nan
+        return error
+    return None
 
 
 def _entry(t: float, x: Floats, v: Floats, params: Floats, out: Floats) -> None:
@@ -82,9 +84,18 @@ def evaluate(system: System, name: str, t: Floats, x: Floats, v: Floats) -> Floa
 
 
 def evaluate_quantity(
-    quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats, numbers: Floats | None = None
+    quantity: Quantity,
+    system: System,
+    t: Floats,
+    x: Floats,
+    v: Floats,
+    numbers: Floats | None = None,
+    raised: dict[int, Exception] | None = None,
 ) -> Floats:
-    """Evaluate any function of the state in the same way; each row of `numbers`, if given, as params of as many states."""
+    """Evaluate any function of the state in the same way; each row of `numbers`, if given, as params of as many states.
+
+    The errors of an interpreted function are added to `raised`, by their rows.
+    """
     xs, vs = x.reshape(t.size, system.x0.size), v.reshape(t.size, system.v0.size)
     out = np.zeros((t.size, quantity.size))
     params = (system.params if quantity.params is None else quantity.params)[None] if numbers is None else numbers
@@ -93,7 +104,9 @@ def evaluate_quantity(
         with np.errstate(all="ignore"):
             for row in range(t.size):
                 own = params[row * len(params) // t.size]
-                _call_or_nan(quantity.function, (t[row], xs[row], vs[row], own, out[row]))
+                error = _call_or_nan(quantity.function, (t[row], xs[row], vs[row], own, out[row]))
+                if error is not None and raised is not None:
+                    raised[row] = error
     else:
         users = is_users(quantity.function)
         native = quantity.function if users else _native(quantity.function, system.packaged)

@@ -175,7 +175,7 @@ class Solution(Presented):
         Raises
         ------
         ArgumentError
-            For times outside of the run.
+            For times outside of the run, and for those more than a step after a row where steps vary.
         KickdriftError
             If the solution does not know its equations: it was loaded from a file, or comes from another process; and for
             Langevin dynamics, of whose path a step knows its ends alone.
@@ -199,12 +199,13 @@ class Solution(Presented):
         """Continue to another end, with the bits of an uninterrupted run.
 
         It continues from the last state of the loop, at the same step, whether the run reached its end, was interrupted, or
-        was ended by an event. `terminal` events count afresh from there.
+        was ended by an event. `terminal` events count afresh from there. Where steps vary, or are cut by impacts or switches,
+        the last ones depend on the end of the run: towards a later end all of them are done again, from the start.
 
         Parameters
         ----------
         t : float
-            The new end, a whole number of steps from the start.
+            The new end; of equal steps, a whole number of steps from the start.
 
         Returns
         -------

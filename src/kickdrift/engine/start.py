@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -87,6 +87,10 @@ def parameters(args: Sequence[float] | None) -> Floats:
     """
     if args is None:
         return np.zeros(0)
+    if isinstance(args, Mapping):
+        raise ArgumentError(
+            f"args={args!r} has names, but the function gets its params in order: give args={tuple(args.values())!r}."
+        )
     try:
         params = np.atleast_1d(reals(args))
     except TypeError as error:

@@ -47,6 +47,7 @@ class ZarrGroup:
             raise ArgumentError(f"save_to={path!r} is not a path; give a folder, such as 'run.zarr'.")
         try:
             import zarr
+            import zarr.codecs
         except ImportError:
             raise missing_extra("save_to", "zarr", "zarr") from None
         self.path, self._run, self._zarr = Path(path), run, zarr
@@ -112,8 +113,12 @@ class ZarrGroup:
         self._group = self._zarr.open_group(self.path, mode="w", zarr_format=3, attributes=marked)
         for name, values in labels.items():
             along = np.asarray(values)
-            made = self._group.create_array(name, shape=along.shape, dtype=along.dtype, dimension_names=(name,))
+            made = self._create_array(name, shape=along.shape, dtype=along.dtype, dimension_names=(name,))
             made[:] = along
+
+    def _create_array(self, name: str, **layout: Any) -> Any:
+        """Add an array whose chunks have checksums, so that damaged ones are errors and not other numbers."""
+        return self._group.create_array(name, compressors=self._zarr.codecs.Crc32cCodec(), **layout)
 
     def _commit(self) -> None:
         self._zarr.consolidate_metadata(self._group.store)

@@ -45,14 +45,13 @@ class ZarrStore(ZarrGroup):
             self._begin(attributes, labels)
             self._arrays = {}
             for name, array in arrays.items():
-                self._arrays[name] = self._group.create_array(
+                self._arrays[name] = self._create_array(
                     name,
                     shape=(0, *array.shape),
                     chunks=(self.chunk, *array.shape),
                     dtype="float64",
                     dimension_names=("time", *array.dimensions),
                     attributes=unit_attributes(array.unit),
-                    compressors=None,
                 )
             self._commit()
 

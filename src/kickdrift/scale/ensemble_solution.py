@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import KickdriftError
+from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
@@ -146,6 +146,10 @@ class EnsembleSolution:
 
     def __getitem__(self, i: int) -> Solution:
         """Return the solution of a member: the rows that it reached, and its end."""
+        if isinstance(i, slice):
+            raise ArgumentError("give the number of one member; of several, x[first:last] has the states.")
+        if not -len(self) <= i < len(self):
+            raise IndexError(f"there is no member {i}: they are 0 to {len(self) - 1}.")
         i = range(len(self))[i]
         x = np.asarray(self.x[i])
         reached = ~np.isnan(x.reshape(self.t.size, -1)).all(axis=1)

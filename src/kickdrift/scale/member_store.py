@@ -185,7 +185,7 @@ class MemberStore(ZarrGroup):
         attributes: Mapping[str, Any] | None = None,
         fill: Any = None,
     ) -> Any:
-        return self._group.create_array(
+        return self._create_array(
             name,
             shape=shape,
             chunks=chunks,
@@ -193,7 +193,6 @@ class MemberStore(ZarrGroup):
             dimension_names=dimensions,
             attributes=dict(attributes or {}),
             fill_value=fill,
-            compressors=None,
         )
 
     def _take_over(self, prepared: Prepared, results: Results) -> None:

@@ -90,6 +90,8 @@ class _Written(CPUDispatcher):  # type: ignore[misc]
 
     def __call__(self, t: float) -> Any:
         """Call Python's function."""
+        if np.ndim(t):
+            raise ArgumentError(f"a kd.spline takes one number, not an array of shape {np.shape(t)}; call it for each.")
         return self.py_func(t)
 
 

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import KickdriftError, unknown_name
 from kickdrift.engine.solution import Solution
@@ -59,6 +59,16 @@ class Recording(Solution):
     appearance: Appearance
 
     presenters: ClassVar[WorldPresenters]
+
+    def __call__(self, t: ArrayLike) -> NoReturn:
+        """Refuse, since the states of a world are known at its steps alone.
+
+        Raises
+        ------
+        KickdriftError
+            Always; it says what to do instead.
+        """
+        raise KickdriftError("the states of a world are known at its steps alone; interpolate between recording.t.")
 
     def continue_to(self, t: float) -> Solution:
         """Refuse, since only the world can be continued.
