@@ -109,3 +109,9 @@ def number_of_steps(argument: str, value: int | None, default: int = MOST_STEPS)
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise ArgumentError(f"{argument}={value!r} must be a positive whole number of steps.")
     return min(int(value), MOST_STEPS)
+
+
+def check_checkpoint_every(checkpoint: Any, every: Any) -> None:
+    """Raise an ArgumentError if the steps between checkpoints are given without a folder for them."""
+    if checkpoint is None and every is not None:
+        raise ArgumentError(f"checkpoint_every={every!r} is given without checkpoint, a folder for them; give it.")
