@@ -43,7 +43,7 @@ def reals(value: Any) -> Floats:
         if given.dtype.kind == "O" and any(member is None for member in given.flat):
             raise TypeError("it holds None")  # which NumPy converts to NaN
         if given.dtype.kind == "b" or _holds_booleans(value):
-            raise TypeError("it holds True or False, which are no numbers")  # NumPy converts them to 1 and 0
+            raise TypeError("it holds True or False, which are not numbers")  # NumPy converts them to 1 and 0
         if given.dtype.kind not in _NO_NUMBERS:
             return np.array(given, dtype=np.float64, order="C")
         why = "it is complex" if given.dtype.kind == "c" else f"it holds {given.dtype.name}"

@@ -173,7 +173,7 @@ def is_plane(part: DrawnShape) -> bool:
 
 
 def outline(part: DrawnShape) -> tuple[Floats, float]:
-    """Return points of a shape that is no plane, in the axes of its body, and how far it reaches beyond them.
+    """Return points of a shape that is not a plane, in the axes of its body, and how far it reaches beyond them.
 
     They are the corners of the box around it; of a ball its centre.
     """

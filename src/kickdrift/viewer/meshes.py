@@ -118,7 +118,7 @@ class Batch:
     def on_drag(self, heard: Callable[[Drag], None]) -> None:
         """Call a function when the mouse drags one of them; it may not take long."""
 
-        async def hear(event: Any) -> None:  # what is no coroutine, viser calls out of order
+        async def hear(event: Any) -> None:  # viser calls what is not a coroutine out of order
             body = int(self._bodies[event.instance_index or 0])
             ends = np.array(event.start_position), np.array(event.end_position)
             heard(Drag(event.client_id, body, event.phase, *ends))

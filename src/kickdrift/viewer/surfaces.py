@@ -37,7 +37,7 @@ class Surface(NamedTuple):
 
 
 def surface_of(shape: Any) -> Surface:
-    """Return the triangles of a shape that is no plane."""
+    """Return the triangles of a shape that is not a plane."""
     return SURFACES[shape.kind](shape)
 
 

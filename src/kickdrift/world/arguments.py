@@ -31,7 +31,7 @@ def unit_quaternion(argument: str, value: ArrayLike) -> Floats:
     q = vector(argument, value, 4)
     size = float(np.linalg.norm(q))
     if size < 1e-9:
-        raise ArgumentError(f"{argument}={value!r} has zero norm; (1, 0, 0, 0) is no rotation.")
+        raise ArgumentError(f"{argument}={value!r} has zero norm; (1, 0, 0, 0) is the identity.")
     return q / size
 
 

@@ -149,7 +149,7 @@ class Cloths:
         """Return the row of an existing cloth or rope; ArgumentError if it was removed, or is not of this world."""
         if not isinstance(cloth, Deformable) or cloth.registry is not self:
             raise ArgumentError(
-                f"{argument}={cloth!r} is no cloth, rope or soft body of this world; give what World.add_cloth, add_rope or "
+                f"{argument}={cloth!r} is not a cloth, rope or soft body of this world; give what World.add_cloth, add_rope or "
                 "add_soft_body returned."
             )
         index = cloth.index
