@@ -13,7 +13,6 @@ from kickdrift.world.tables import MOTION, POSE
 
 if TYPE_CHECKING:
     from kickdrift.world.bodies.registry import Bodies
-    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -46,6 +45,7 @@ class Body(Handle):
     """
 
     __slots__ = ("_bodies", "_views")
+    registered_in = "bodies"
 
     def __init__(self, index: int, generation: int, bodies: Bodies) -> None:
         self._index, self._generation, self._bodies = index, generation, bodies
@@ -60,11 +60,6 @@ class Body(Handle):
     @property
     def _registry(self) -> Bodies:
         return self._bodies
-
-    @staticmethod
-    def registry_of(world: World) -> Bodies:
-        """Return the bodies of a world."""
-        return world.bodies
 
     @property
     def position(self) -> Floats:

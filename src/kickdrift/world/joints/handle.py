@@ -17,7 +17,6 @@ from kickdrift.world.layout import AWAKE, LOAD_TORQUE, TIME_AT_REST
 
 if TYPE_CHECKING:
     from kickdrift.world.joints.registry import Joints
-    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -44,6 +43,7 @@ class Joint(Handle):
     """
 
     __slots__ = ("_joints", "_views")
+    registered_in = "joints"
 
     def __init__(self, index: int, generation: int, joints: Joints) -> None:
         self._index, self._generation, self._joints = index, generation, joints
@@ -58,11 +58,6 @@ class Joint(Handle):
     @property
     def _registry(self) -> Joints:
         return self._joints
-
-    @staticmethod
-    def registry_of(world: World) -> Joints:
-        """Return the joints of a world."""
-        return world.joints
 
     @property
     def angles(self) -> Floats:

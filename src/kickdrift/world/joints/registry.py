@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import ReferenceType
 
 import numpy as np
@@ -24,9 +24,6 @@ from kickdrift.world.joints.views import wake_bodies
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, STARTED_JOINTS, Tables
 
-if TYPE_CHECKING:
-    from kickdrift.world.world import World
-
 
 class Joints:
     """The rows of joints in the tables of a world."""
@@ -34,7 +31,7 @@ class Joints:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self.names = Names("joint")
-        self.world: ReferenceType[World] | None = None
+        self.world: ReferenceType[Any] | None = None
         self.arranged = False
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two joints would share a handle
 

@@ -51,7 +51,7 @@ class RecordingRows:
     saved_to = ""
 
     def __init__(self, world: "World", room: int) -> None:
-        self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world)
+        self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world.cloths)
         self._cloths.take_over()
         self.count = self.first = 0
         shapes: dict[str, tuple[int, ...]] = {name: (room, size) for name, size in _OF_THE_WORLD.items()}
