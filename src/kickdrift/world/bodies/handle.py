@@ -42,6 +42,16 @@ class Body(Handle):
     Poses and velocities are live views of the rows of `World.position` and the like: writing into them moves the body; copy
     values that are to be kept. Assign the pose of a static body as a whole (``wall.position = ...``), so that collision
     detection is updated. Every access raises `ArgumentError` once the body is removed, as does assigning an invalid value.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1), mass=2.0)
+    >>> ball.velocity = (3, 0, 0)
+    >>> ball.velocity[2] = 4
+    >>> world.energy().kinetic
+    25.0
     """
 
     __slots__ = ("_bodies", "_views")

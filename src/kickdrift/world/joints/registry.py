@@ -64,14 +64,14 @@ class Joints:
         return self.handle(row)
 
     @alone
-    def law(self, joint: Joint, axis: int | None, part: LawPart) -> Any:
+    def law(self, joint: Any, axis: int | None, part: LawPart) -> Any:
         """Return the limits, the motor, the drive or the friction of an axis, as in an `Axis`."""
         k = joint.axis(axis)
         found = read_law(self.tables, joint.index, k, part)
         return getattr(Axis(**{part: found}).reversed(), part) if joint.sign(k) < 0.0 else found
 
     @alone
-    def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
+    def change_law(self, joint: Any, axis: int | None, part: LawPart, what: Any) -> None:
         """Replace the limits, the motor, the drive or the friction of an axis, given as in an `Axis`, and wake the bodies.
 
         Raises
