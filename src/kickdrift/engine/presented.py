@@ -84,6 +84,7 @@ class Presented:
         Parameters
         ----------
         path : path
+            Its name ends in ``.html``.
 
         Raises
         ------
@@ -92,7 +93,7 @@ class Presented:
         KickdriftError
             If there is nothing to show, or the states are on disk.
         FileFormatError
-            If the file cannot be written.
+            For another name, and if the file cannot be written.
         MissingExtraError
             If viser is not installed.
 

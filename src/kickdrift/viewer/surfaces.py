@@ -1,4 +1,4 @@
-"""What shapes look like to a browser: triangles, of one size for all of a kind where that can be."""
+"""Triangles of shapes for the browser: of one size for all shapes of a kind, where possible."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
