@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
+from kickdrift.analysis.drift import slope, times_of_drift
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 
@@ -73,19 +74,12 @@ def energy_drift(solution: Solution) -> float:
     >>> kd.analysis.energy_drift(sol) > 0.005
     True
     """
-    if solution.t.size < 2:
-        raise ArgumentError(
-            f"solution holds {solution.t.size} time, but a drift needs at least two; keep more, with t_eval or"
-            " save_every."
-        )
-    return drift(solution.plain.t, solution.energy)
+    return slope(times_of_drift(solution), energy_error(solution))
 
 
 def drift(t: Floats, energy: Floats) -> float:
     """Return the slope of the least-squares line through the relative energy error over time."""
-    error, centred = _relative(energy), t - t.mean()
-    with np.errstate(invalid="ignore"):  # an infinite energy has no slope: NaN
-        return float(centred @ (error - error.mean()) / (centred @ centred))
+    return slope(t, _relative(energy))
 
 
 def largest_error(values: Floats, scale: float | None = None) -> tuple[float, float | None]:

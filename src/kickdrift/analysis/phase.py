@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.analysis.drift import slope, times_of_drift
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.phase import time_shift
 from kickdrift.engine.solution import Solution
@@ -95,15 +96,4 @@ def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
     >>> abs(kd.analysis.phase_drift(sol)) < 0.01
     True
     """
-    if solution.t.size < 2:
-        raise ArgumentError(
-            f"solution holds {solution.t.size} time, but a drift needs at least two; keep more, with t_eval or"
-            " save_every."
-        )
-    return slope(solution.plain.t, phase_error(solution, reference))
-
-
-def slope(t: Floats, shift: Floats) -> float:
-    """Return the slope of the least-squares line."""
-    centred = t - t.mean()
-    return float(centred @ (shift - shift.mean()) / (centred @ centred))
+    return slope(times_of_drift(solution), phase_error(solution, reference))

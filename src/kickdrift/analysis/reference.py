@@ -78,7 +78,7 @@ class Rates:
             system.acceleration(t, x, v, system.params, out[self.size :])
         if system.kind is Kind.CONSTRAINED:
             out[self.size :] += constraint_acceleration(system, t, x, v)
-        # SciPy's step control goes on for ever with what is no number; of what is huge it takes shorter steps.
+        # Where rates are not a number, SciPy's step control goes on for ever; where they are huge, it shortens the step.
         return np.nan_to_num(out, copy=False, nan=HUGE, posinf=HUGE, neginf=-HUGE)
 
 

@@ -48,7 +48,7 @@ def read_bodies_table(path: Path) -> tuple[list[dict[str, Any]], list[int]]:
 
 
 def read_text(path: Path) -> str:
-    """Read a file of a stranger: a plain file, not too large, in UTF-8.
+    """Read a file that may hold anything: it must be a plain file, not too large, in UTF-8.
 
     Raises
     ------

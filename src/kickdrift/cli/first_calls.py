@@ -19,9 +19,8 @@ def worlds() -> None:
     hinge = world.add_hinge(world.ground, ball, anchor=(0.0, 0.0, 4.0), axis=(0.0, 1.0, 0.0))
     world.add_box((1.0, 1.0, 1.0), position=(3.0, 0.0, 0.5))
     world.add_cylinder(1.0, 1.0, position=(6.0, 0.0, 0.5))
-    world.add_cloth_grid(
-        vertices=(3, 3), position=(0.0, 3.0, 0.1)
-    )  # beside the plane of the others: pictures are not flat
+    # Beside the plane of the other bodies, so that pictures are not flat
+    world.add_cloth_grid(vertices=(3, 3), position=(0.0, 3.0, 0.1))
     recording = world.run(duration=0.02, step=0.01)
     world.ray_cast((0.0, 0.0, 9.0), (0.0, 0.0, -1.0))
     world.overlap_sphere(radius=0.5, position=(0.0, 0.0, 2.0))

@@ -8,7 +8,9 @@ from itertools import zip_longest
 from pathlib import Path
 from textwrap import wrap
 
+from kickdrift.cli import DONE, FAILED, INTERRUPTED
 from kickdrift.core.errors import ArgumentError
+from kickdrift.core.outcomes import Outcome
 
 
 def prepare_folder(folder: Path) -> Path:
@@ -32,6 +34,14 @@ def prepare_folder(folder: Path) -> Path:
 def say(sentence: str) -> None:
     """Print a message about the run on standard error."""
     print(f"kickdrift: {sentence}", file=sys.stderr, flush=True)
+
+
+def exit_code(status: Outcome, message: str) -> int:
+    """Print how a run that did not do all that was asked ended, and return the exit code of the outcome."""
+    if status.success:
+        return DONE
+    say(message)
+    return INTERRUPTED if status is Outcome.INTERRUPTED else FAILED
 
 
 _NARROWEST = 24  # characters to which a column of a table may shrink

@@ -158,7 +158,7 @@ def save_every(options: Options, otherwise: int | None) -> int | None:
     Raises
     ------
     ArgumentError
-        If the option is no positive whole number.
+        If the option is not a positive whole number.
     """
     if options.save_every is None:
         return otherwise

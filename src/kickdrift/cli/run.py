@@ -2,11 +2,9 @@
 
 from pathlib import Path
 
-from kickdrift.cli import DONE, FAILED, INTERRUPTED
-from kickdrift.cli.output import prepare_folder, say, show_table
+from kickdrift.cli.output import exit_code, prepare_folder, say, show_table
 from kickdrift.cli.plan import Plan
 from kickdrift.core.errors import ArgumentError
-from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
 from kickdrift.scenes import NEWTONIAN_FLOOR, distances_to_jpl, jpl_days, kept_every, kept_times
@@ -44,7 +42,7 @@ def run(plan: Plan, folder: Path, quiet: bool, checkpoint: Path | None = None, s
     solution.plot(picture)
     if not quiet:
         print(f"\nwritten: {kept}, {picture}")
-    return exit_code(solution)
+    return exit_code(solution.status, solution.message)
 
 
 def _run_to_disk(plan: Plan, quiet: bool, checkpoint: Path | None, save_to: Path) -> int:
@@ -62,15 +60,7 @@ def _run_to_disk(plan: Plan, quiet: bool, checkpoint: Path | None, save_to: Path
     )
     if not quiet:
         print(f"{solution.report()}\n\nwritten: {save_to}")
-    return exit_code(solution)
-
-
-def exit_code(solution: Solution) -> int:
-    """Print how a run that did not reach its end ended, and return the exit code of the outcome."""
-    if solution.success:
-        return DONE
-    say(solution.message)
-    return INTERRUPTED if solution.status is Outcome.INTERRUPTED else FAILED
+    return exit_code(solution.status, solution.message)
 
 
 def _say_missed(missed: list[float], plan: Plan) -> None:

@@ -3,12 +3,10 @@
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-from kickdrift.cli import DONE, FAILED, INTERRUPTED
-from kickdrift.cli.output import prepare_folder, say
+from kickdrift.cli.output import exit_code, prepare_folder, say
 from kickdrift.cli.plan import Options, save_every
 from kickdrift.cli.times import parse_time
 from kickdrift.core.errors import ArgumentError, MissingExtraError
-from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.recordings.recording import Recording
@@ -90,7 +88,7 @@ def run_scene(
     if save_to is not None:
         if not quiet:
             print(f"{recording.report()}\n\nwritten: {save_to}")
-        return _exit_code(recording)
+        return exit_code(recording.status, recording.message)
     try:
         kept = recording.save(folder / f"{plan.name}.npz")
     finally:
@@ -107,7 +105,7 @@ def run_scene(
     if not quiet:
         print(f"\nwritten: {', '.join(map(str, files))}")
         print(f"open {page}" if page else "for an interactive page: pip install 'kickdrift[viewer]'")
-    return _exit_code(recording)
+    return exit_code(recording.status, recording.message)
 
 
 def _compile_ahead(world: World, step: float, quiet: bool) -> None:
@@ -130,10 +128,3 @@ def _page(recording: Recording, path: Path) -> Path | None:
         return recording.to_html(path)
     except MissingExtraError:
         return None
-
-
-def _exit_code(recording: Recording) -> int:
-    if recording.success:
-        return DONE
-    say(recording.message)
-    return INTERRUPTED if recording.status is Outcome.INTERRUPTED else FAILED

@@ -43,7 +43,7 @@ def reals(value: Any) -> Floats:
         if given.dtype.kind == "O" and any(member is None for member in given.flat):
             raise TypeError("it holds None")  # which NumPy converts to NaN
         if given.dtype.kind == "b" or _holds_booleans(value):
-            raise TypeError("it holds True or False, which are no numbers")  # NumPy converts them to 1 and 0
+            raise TypeError("it holds True or False, which are not numbers")  # NumPy converts them to 1 and 0
         if given.dtype.kind not in _NO_NUMBERS:
             return np.array(given, dtype=np.float64, order="C")
         why = "it is complex" if given.dtype.kind == "c" else f"it holds {given.dtype.name}"
@@ -109,3 +109,9 @@ def number_of_steps(argument: str, value: int | None, default: int = MOST_STEPS)
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise ArgumentError(f"{argument}={value!r} must be a positive whole number of steps.")
     return min(int(value), MOST_STEPS)
+
+
+def check_checkpoint_every(checkpoint: Any, every: Any) -> None:
+    """Raise an ArgumentError if the steps between checkpoints are given without a folder for them."""
+    if checkpoint is None and every is not None:
+        raise ArgumentError(f"checkpoint_every={every!r} is given without checkpoint, a folder for them; give it.")

@@ -43,7 +43,17 @@ class ArgumentError(KickdriftError, ValueError):
 
 
 class UnknownNameError(ArgumentError):
-    """A name that stands for nothing: of a method, a system, a body, a joint or a cloth; the message names others."""
+    """An unknown name of a method, a system, a body, a joint or a cloth; the message suggests others.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> try:
+    ...     kd.methods.get("leap-frog")
+    ... except kd.UnknownNameError as error:
+    ...     print("did you mean 'leapfrog'" in str(error))
+    True
+    """
 
 
 class MethodMismatchError(ArgumentError):
@@ -65,7 +75,17 @@ class MissingExtraError(KickdriftError, ImportError):
 
 
 class FileFormatError(KickdriftError):
-    """A file that cannot be read or written, or has invalid contents."""
+    """A file that cannot be read or written, or has invalid contents.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> try:
+    ...     kd.load("missing.npz")
+    ... except kd.FileFormatError as error:
+    ...     print("missing.npz" in str(error))
+    True
+    """
 
 
 class LostBodyError(KickdriftError):

@@ -49,7 +49,7 @@ def free_bytes() -> float:
     with suppress(OSError, ValueError, LookupError):
         lines = Path("/proc/meminfo").read_text().splitlines()
         free = 1024 * int(next(line for line in lines if line.startswith("MemAvailable:")).split()[1])
-    with suppress(OSError, ValueError):  # of a container; "max" is no number
+    with suppress(OSError, ValueError):  # of a container; "max" is not a number
         group = Path("/sys/fs/cgroup")
         free = min(free, int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
     if free == math.inf and hasattr(os, "sysconf"):

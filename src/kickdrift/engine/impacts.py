@@ -160,31 +160,16 @@ def cut_steps(
     gaps = [_adapted(name, function, adapter) for name, function in given]
     sizes = {name: gap.size for (name, _), gap in zip(given, gaps, strict=True)}
     whole = gaps[0] if len(gaps) == 1 else _both(*gaps)
-    count, n = whole.size, system.x0.size
     state = np.array([course.t0]), system.x0[None], system.v0[None]
-    start = evaluate_quantity(whole, system, *state).reshape(count)
+    start = evaluate_quantity(whole, system, *state).reshape(whole.size)
     length = float(abs(system.x0).max()) or 1.0
     of_impacts = sizes.get("impacts", 0)
     check_start(start, of_impacts, length)
-    most = min(of_impacts, 2 * n)
-    kept = MOST_ROUNDS if switches is not None else 0
-    params = np.zeros(layout.HEAD + (layout.ROWS + 1 + kept) * count + (layout.VECTORS + max(most, 1)) * n)
-    params[layout.MOST_KEPT] = kept
-    params[[layout.COUNT, layout.LENGTH, layout.START, layout.MOST_LISTED]] = count, length, course.t0, max(most, 1)
-    params[layout.PLACE_OF_SIDES] = place_of_sides
-    params[layout.LOCATED] = impacts is None or choice("located", impacts.located)
-    params[layout.BODY_SIZE] = system.x0.shape[-1] if system.x0.ndim > 1 else n
-    rows = params[layout.HEAD : layout.HEAD + layout.ROWS * count].reshape(layout.ROWS, count)
-    rows[layout.SIDE], rows[layout.CROSSED] = 1.0, np.inf
+    params = _laid_out(start, of_impacts, system, 0 if switches is None else MOST_ROUNDS)
+    params[[layout.LENGTH, layout.START, layout.PLACE_OF_SIDES]] = length, course.t0, place_of_sides
     if impacts is not None:
-        rows[layout.RESTITUTION, :of_impacts] = numbers_of("restitution", impacts.restitution, of_impacts, 1.0)
-        rows[layout.FRICTION, :of_impacts] = numbers_of("friction", impacts.friction, of_impacts, np.inf)
-        check_friction(rows[layout.FRICTION], whole, system, course.t0)
-    rows[layout.SWITCH, of_impacts:] = 1.0
-    rows[layout.SIDE, of_impacts:] = np.where(start[of_impacts:] < 0.0, -1.0, 1.0)
-    masses = np.ones(n) if impacts is None else masses_of(impacts.mass, problem, system)
-    vectors = layout.HEAD + layout.ROWS * count
-    params[vectors : vectors + n] = 1.0 / masses
+        _set_impacts(params, impacts, of_impacts, problem, system)
+        check_friction(_rows(params)[layout.FRICTION], whole, system, course.t0)
     own = np.zeros(0) if whole.params is None else whole.params
     what = " and ".join(f"{size} {name}" for name, size in sizes.items())
     name = "equal steps, cut at " + (what if params[layout.LOCATED] else f"none; {what} after each")
@@ -202,6 +187,44 @@ def cut_steps(
     )
     parts = {**system.parts, "gaps": whole.function}
     return replace(system, parts=parts, exact=None), controller  # the exact solution would ignore impacts
+
+
+def _laid_out(start: Floats, of_impacts: int, system: System, rounds: int) -> Floats:
+    """Return the params of surfaces from their gaps at the start, of which the first are those of impacts; masses are 1.
+
+    `rounds` is how many rounds of switches are kept; see `kickdrift.engine.flows.sliding_mode`.
+    """
+    count, n = start.size, system.x0.size
+    listed = max(min(of_impacts, 2 * n), 1)
+    params = np.zeros(layout.HEAD + (layout.ROWS + 1 + rounds) * count + (layout.VECTORS + listed) * n)
+    params[[layout.COUNT, layout.MOST_LISTED, layout.MOST_KEPT, layout.LOCATED]] = count, listed, rounds, 1.0
+    params[layout.BODY_SIZE] = system.x0.shape[-1] if system.x0.ndim > 1 else n
+    rows = _rows(params)
+    rows[layout.SIDE], rows[layout.CROSSED] = 1.0, np.inf
+    rows[layout.SWITCH, of_impacts:] = 1.0
+    rows[layout.SIDE, of_impacts:] = np.where(start[of_impacts:] < 0.0, -1.0, 1.0)
+    _inverse_masses(params, n)[:] = 1.0
+    return params
+
+
+def _set_impacts(params: Floats, impacts: Impacts, count: int, problem: Any, system: System) -> None:
+    """Set what the user says about impacts."""
+    params[layout.LOCATED] = choice("located", impacts.located)
+    rows = _rows(params)
+    rows[layout.RESTITUTION, :count] = numbers_of("restitution", impacts.restitution, count, 1.0)
+    rows[layout.FRICTION, :count] = numbers_of("friction", impacts.friction, count, np.inf)
+    _inverse_masses(params, system.x0.size)[:] = 1.0 / masses_of(impacts.mass, problem, system)
+
+
+def _rows(params: Floats) -> Floats:
+    """Return a view with one column per surface."""
+    count = int(params[layout.COUNT])
+    return params[layout.HEAD : layout.HEAD + layout.ROWS * count].reshape(layout.ROWS, count)
+
+
+def _inverse_masses(params: Floats, n: int) -> Floats:
+    begin = layout.HEAD + layout.ROWS * int(params[layout.COUNT])
+    return params[begin : begin + n]
 
 
 def spelled(spell: Spell, word: Word) -> Spelled:

@@ -141,7 +141,7 @@ _DESCRIPTIONS = {
 
 
 def check_wanted(method: Any, order: Any) -> None:
-    """Refuse an unknown method, and an order that is no order or that this method cannot have.
+    """Refuse an unknown method, and an order that is not one, or that this method cannot have.
 
     Raises
     ------

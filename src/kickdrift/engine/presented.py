@@ -45,8 +45,27 @@ class Presented:
     def plot(self, path: str | Path | None = None, *, ax: Any = None) -> Any:
         """Plot trajectory and energy error; return the matplotlib figure, and write it to `path` if given.
 
-        A recording is plotted as its last state with the paths of the bodies, and the energies over time. Into `ax`, axes of
-        matplotlib, only the trajectory or the scene is drawn.
+        A recording is plotted as its last state with the paths of the bodies, and the energies over time.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to write the figure; the file extension determines the format.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw the trajectory, or the scene, alone, instead of on a figure of its own.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ArgumentError
+            If ax is not an Axes.
+        FileFormatError
+            If the file cannot be written.
+        MissingExtraError
+            If matplotlib is not installed.
 
         Examples
         --------
@@ -58,9 +77,25 @@ class Presented:
         return self.presenters.plot(self, path, ax=ax)
 
     def to_html(self, path: str | Path) -> Path:
-        """Write a page that plays in the browser, without a server; returns its path.
+        """Write a page that plays in the browser, without a server; return its path.
 
         See `kickdrift.viewer.recording.recording_to_html` and `kickdrift.viewer.solution.solution_to_html`.
+
+        Parameters
+        ----------
+        path : path
+            Its name ends in ``.html``.
+
+        Raises
+        ------
+        ArgumentError
+            If the states are not positions in the plane or in space.
+        KickdriftError
+            If there is nothing to show, or the states are on disk.
+        FileFormatError
+            For another name, and if the file cannot be written.
+        MissingExtraError
+            If viser is not installed.
 
         Examples
         --------
@@ -80,6 +115,13 @@ class Presented:
         height : int
             Of the frame, in pixels.
 
+        Raises
+        ------
+        ArgumentError
+            For a height that is not a number of pixels.
+        KickdriftError
+            As for `to_html`.
+
         Examples
         --------
         >>> import kickdrift as kd
@@ -90,6 +132,16 @@ class Presented:
 
     def save(self, path: str | Path) -> Path:
         """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path.
+
+        Parameters
+        ----------
+        path : path
+            A suffix ``.npz`` is added if it is missing.
+
+        Raises
+        ------
+        FileFormatError
+            If the file cannot be written.
 
         Examples
         --------
@@ -105,6 +157,11 @@ class Presented:
     def to_pandas(self) -> Any:
         """Return a `pandas.DataFrame`, one row per time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``.
 
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+
         Examples
         --------
         >>> import kickdrift as kd
@@ -116,6 +173,11 @@ class Presented:
 
     def to_xarray(self) -> Any:
         """Return an `xarray.Dataset` with named dimensions and units.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
 
         Examples
         --------

@@ -55,34 +55,24 @@ def report(
     """Return the solution of a run, with the continuation that `continuation` makes."""
     task, processing, between, watch = journey.task, journey.processing, journey.between, journey.watch
     system, grid, rows = task.system, task.grid, journey.run.rows
-    early, message, standing = (
-        not ending.outcome.success,
-        ending.message + journey.said,
-        journey.run.standing(beyond_the_stop=True),
-    )
+    early, message = not ending.outcome.success, ending.message + journey.said
+    standing = journey.run.standing(beyond_the_stop=True)
     kept = _kept(rows, ending, early, processing)
-    t, evaluations = kept.t, ending.evaluations + processing.evaluations(rows.seen(ending.saved))
+    evaluations = ending.evaluations + processing.evaluations(rows.seen(ending.saved))
     if isinstance(rows, StreamedRows):
         message, evaluations = message + rows.said, evaluations + rows.evaluations
     end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
-        end = ending.stop.t
-        if isinstance(grid, Course) and t.size and t[-1] != end:  # the state before that step is always a row
-            kept.steps[-1] = end - t[-1]
-        kept = kept.followed_by(end, ending.stop.x, ending.stop.v, grid.step)
+        end, kept = ending.stop.t, _with_stop(kept, ending.stop, grid)
     dense = None if journey.store else _dense(system, grid, between, end, kept)
-    if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and t[-1] != end:
-        try:  # the last step leads beyond the end, so take a part of it
-            x, v, own = _in_last_step(journey, grid, standing, dense, kept.steps[-1])
-            kept, evaluations = kept.followed_by(end, x[0], v[0], grid.step), evaluations + own
-            dense = _dense(system, grid, between, end, kept)
-        except (Exception, KeyboardInterrupt) as error:
-            message += f" The rows end before it, since {type(error).__name__} was raised: {error}."
-    t, xs, vs, _ = kept
+    if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and kept.t[-1] != end:
+        kept, dense, own, trouble = _with_part_of_last_step(journey, grid, standing, dense, kept)
+        message, evaluations = message + trouble, evaluations + own
     zeros: tuple[tuple[Zero, ...], ...] = ()
     if watch is not None:
         zeros, trouble = _zeros(watch, end)
         message, evaluations = message + trouble, evaluations + watch.evaluations
+    t, xs, vs, _ = kept
     if grid.wanted is not None and dense is not None:
         try:
             t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
@@ -114,6 +104,28 @@ def report(
         x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
         v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
     )
+
+
+def _with_stop(kept: _Kept, stop: Zero, grid: Grid | Course) -> _Kept:
+    """Add the state at which a terminal event ended the run."""
+    if isinstance(grid, Course) and kept.t.size and kept.t[-1] != stop.t:  # the state before that step is always a row
+        kept.steps[-1] = stop.t - kept.t[-1]
+    return kept.followed_by(stop.t, stop.x, stop.v, grid.step)
+
+
+def _with_part_of_last_step(
+    journey: Journey, grid: Course, standing: Standing, dense: DenseOutput, kept: _Kept
+) -> tuple[_Kept, DenseOutput | None, int, str]:
+    """Add the state at the end, which the last step leads beyond.
+
+    Return also the dense output until then, the force evaluations, and a sentence if the force failed.
+    """
+    try:
+        x, v, evaluations = _in_last_step(journey, grid, standing, dense, kept.steps[-1])
+        kept = kept.followed_by(grid.t1, x[0], v[0], grid.step)
+        return kept, _dense(journey.task.system, grid, journey.between, grid.t1, kept), evaluations, ""
+    except (Exception, KeyboardInterrupt) as error:
+        return kept, dense, 0, f" The rows end before it, since {type(error).__name__} was raised: {error}."
 
 
 def _in_last_step(
@@ -148,9 +160,8 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
     try:
         return watch.by_event(end), ""
     except (Exception, KeyboardInterrupt) as error:
-        return tuple(
-            () for _ in watch.events
-        ), f" Zeros of events are missing, since {type(error).__name__} was raised: {error}."
+        said = f" Zeros of events are missing, since {type(error).__name__} was raised: {error}."
+        return tuple(() for _ in watch.events), said
 
 
 def _dense(

@@ -13,13 +13,14 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.dense import DenseOutput, States
 from kickdrift.engine.description import Description
+from kickdrift.engine.motion import Motion
 from kickdrift.engine.presented import Presented
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(Presented):
+class Solution(Motion, Presented):
     """States of a system at the times kept, and how the run went.
 
     Attributes
@@ -100,24 +101,8 @@ class Solution(Presented):
 
     @property
     def success(self) -> bool:
-        """Whether the end of t_span was reached."""
+        """Whether the run reached the end of t_span, or a terminal event."""
         return self.status.success
-
-    @property
-    def energy(self) -> Floats:
-        """Energy at the times kept, shape (T,).
-
-        Raises
-        ------
-        KickdriftError
-            If the system has no energy.
-        """
-        if "energy" not in self.invariants:
-            raise KickdriftError(
-                f"{self.about.system!r} has no energy; pass energy=... to its description, for an acceleration"
-                " kd.SecondOrder(acceleration, energy=...)."
-            )
-        return self.invariants["energy"]
 
     @property
     def multipliers(self) -> Floats:
@@ -138,21 +123,6 @@ class Solution(Presented):
                 " describes a problem with constraints."
             )
         return self.derived["multipliers"]
-
-    @property
-    def q(self) -> Floats:
-        """Positions under the name that they have in Hamiltonians: x."""
-        return self.x
-
-    @property
-    def p(self) -> Floats:
-        """Momenta of a Hamiltonian: v."""
-        return self.v
-
-    @property
-    def y(self) -> Floats:
-        """States of first-order equations: x."""
-        return self.x
 
     @property
     def plain(self) -> Solution:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
@@ -10,14 +10,14 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from kickdrift import methods
-from kickdrift.core.arguments import choice
+from kickdrift.core.arguments import check_checkpoint_every, choice
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.continuation import carry_out
 from kickdrift.engine.dense import check_between
 from kickdrift.engine.event_functions import events_of
-from kickdrift.engine.grid import Grid
+from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.identity import identity_of
 from kickdrift.engine.impacts import Impacts
 from kickdrift.engine.method_selection import check_direction, check_wanted, choose
@@ -189,10 +189,7 @@ def solve(
     check_bounds = choice("check_bounds", check_bounds)
     progress = None if progress is None else choice("progress", progress)
     steering = steering_of(step_control, step, rtol, atol, impacts, switches)
-    if checkpoint is None and checkpoint_every is not None:
-        raise ArgumentError(
-            f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
-        )
+    check_checkpoint_every(checkpoint, checkpoint_every)
     kept: Checkpoints | None = None
     store: ZarrStore | None = None
     try:
@@ -215,12 +212,7 @@ def solve(
                 known = identity_of(
                     problem, grid, start, params, chosen.method, compensated, compiles, events, steering
                 )
-                with ExitStack() as locked:  # until the journey closes them
-                    if (store := store_of(save_to, grid, known, checkpoint is not None)) is not None:
-                        locked.enter_context(closing(store))
-                    if checkpoint is not None:
-                        kept = Checkpoints(checkpoint, checkpoint_every, checkpoint_keep, known)
-                    locked.pop_all()
+                kept, store = _opened(checkpoint, checkpoint_every, checkpoint_keep, save_to, grid, known)
             journey = Journey(task, checkpoints=kept, store=store)
     except MemoryError as error:
         raise ArgumentError(
@@ -228,3 +220,16 @@ def solve(
             " keep fewer steps, or use an explicit method: implicit ones store a matrix of the state's size squared."
         ) from None
     return entered.leave(carry_out(journey))
+
+
+def _opened(
+    checkpoint: Any, every: Any, keep: Any, save_to: Any, grid: Grid | Course, known: Mapping[str, str]
+) -> tuple[Checkpoints | None, ZarrStore | None]:
+    """Lock the folders for checkpoints and rows, for a journey that will close them; None for those that are not given."""
+    with ExitStack() as locked:
+        store = store_of(save_to, grid, known, checkpoint is not None)
+        if store is not None:
+            locked.enter_context(closing(store))
+        kept = None if checkpoint is None else Checkpoints(checkpoint, every, keep, known)
+        locked.pop_all()
+    return kept, store

@@ -13,7 +13,15 @@ from kickdrift.scale.ensemble_solution import EnsembleSolution
 def load(path: str | Path) -> Solution | EnsembleSolution:
     """Read a solution, an ensemble solution, or the recording of a world, written by its method `save`.
 
-    For a folder written by ``save_to=`` it is what `kickdrift.solve` or `kickdrift.solve_ensemble` returned.
+    Parameters
+    ----------
+    path : path
+        A file, or a folder written by ``save_to=``.
+
+    Returns
+    -------
+    Solution, EnsembleSolution or Recording
+        For a folder what `kickdrift.solve` or `kickdrift.solve_ensemble` returned.
 
     Raises
     ------

@@ -32,7 +32,7 @@ def keep(solution: Solution | EnsembleSolution) -> None:
 
 
 def load_stored(path: Path) -> Solution | EnsembleSolution:
-    """Read what `kickdrift.solve` or `kickdrift.solve_ensemble` returned that sent its rows to a folder.
+    """Read what `kickdrift.solve` or `kickdrift.solve_ensemble` returned when it wrote its rows to a folder.
 
     Raises
     ------

@@ -155,7 +155,7 @@ def _check(path: str, head: dict[str, Any], arrays: dict[str, Any]) -> None:
 
 
 def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
-    """Make a snapshot of a file; what its tables and records say alike is made of the records.
+    """Make a snapshot of a file; what its tables and its records both say is taken from the records.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def _place_shapes(rows: ShapeRows, head: dict[str, Any], arrays: dict[str, Any])
 
 
 def _rows_of(given: list[int], wanted: NDArray[np.intp]) -> tuple[int, ...]:
-    """Return rows that are free, in their order, if they are the ones that no one has."""
+    """Return the rows that are free, in their order; they must be those that are not in use."""
     rows = tuple(_whole(row, 0) for row in given)
     if sorted(rows) != wanted.tolist():
         raise ValueError(f"the rows {list(rows)} are listed as free, but {wanted.tolist()} are")

@@ -154,7 +154,7 @@ class Tableau:
 
 
 def _check_numbers(name: str, given: Any, dimensions: int) -> None:
-    """Refuse what is no list of numbers, or of rows of numbers; None stands for another one."""
+    """Refuse anything but a list of numbers, or of rows of numbers; None stands for another one."""
     if given is None and name.endswith("_of_v"):
         return
     try:

@@ -90,7 +90,7 @@ def plot_energy_comparison(
     Raises
     ------
     ArgumentError
-        If there are no solutions, or ax is no Axes.
+        If there are no solutions, or ax is not an Axes.
     KickdriftError
         If a system has no energy.
     FileFormatError

@@ -56,7 +56,7 @@ def one_panel(width: float, height: float, title: str, ax: "Axes | None") -> tup
     Raises
     ------
     ArgumentError
-        If ax is no Axes.
+        If ax is not an Axes.
     MissingExtraError
         If matplotlib is not installed.
     """
@@ -68,7 +68,7 @@ def one_panel(width: float, height: float, title: str, ax: "Axes | None") -> tup
 
 
 def check_axes(ax: Any) -> None:
-    """Refuse what is no Axes of matplotlib, such as the array that ``pyplot.subplots`` returns for several.
+    """Refuse anything but an Axes of matplotlib, such as the array that ``pyplot.subplots`` returns for several.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def keep(figure: "Figure", path: str | Path | None) -> "Figure":
     Raises
     ------
     FileFormatError
-        If the file cannot be written there, or the ending is no format of matplotlib.
+        If the file cannot be written there, or its extension is not a format of matplotlib.
     """
     if path is not None:
         try:

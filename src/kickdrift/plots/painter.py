@@ -100,7 +100,7 @@ class Painter:
         return self._picture.copy()
 
     def _nearest_first(self, sight: Sight, camera: Camera) -> NDArray[np.intp]:
-        """Sort the shapes that are no planes by how far away they are; those that have been removed are nowhere."""
+        """Sort the shapes that are not planes by how far away they are; those that have been removed are nowhere."""
         middles = sight.places[self.scenery.n_planes :, MIDDLE:REACH]
         far = (middles - camera.eye) @ camera.ahead
         there = np.flatnonzero(np.isfinite(far))

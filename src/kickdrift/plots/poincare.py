@@ -47,7 +47,7 @@ def plot_poincare_sections(
     Raises
     ------
     ArgumentError
-        For no sections, axes that the state does not have, or an ax that is no Axes.
+        For no sections, axes that the state does not have, or an ax that is not an Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

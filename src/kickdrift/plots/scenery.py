@@ -93,17 +93,9 @@ class Scenery:
         for part in (*planes, *(part for part in appearance.parts if not is_plane(part))):
             if appearance.kinds[part.body] == REMOVED:
                 continue
-            origin = part.position
-            if is_plane(part):
-                made = [_Piece(PLANE, np.zeros(0), np.zeros(3), np.inf)]
-                if from_side:
-                    half = _SLAB * extent
-                    made = [_Piece(BOX, np.full(3, half), np.zeros(3), 2.0 * half)]
-                    origin = origin - turned(part.orientation, np.array([0.0, 0.0, half]))
-                colour: Any = _GROUND
-            else:
-                made = _pieces(part)
-                colour = colour_of(part.body) if appearance.kinds[part.body] == DYNAMIC else FIXED
+            made, origin, colour = _seen(
+                part, appearance.kinds[part.body] == DYNAMIC, _SLAB * extent if from_side else None
+            )
             pieces += made
             bodies += [part.body] * len(made)
             places += [[*origin, *part.orientation]] * len(made)
@@ -181,7 +173,7 @@ def is_plane(part: DrawnShape) -> bool:
 
 
 def outline(part: DrawnShape) -> tuple[Floats, float]:
-    """Return points of a shape that is no plane, in the axes of its body, and how far it reaches beyond them.
+    """Return points of a shape that is not a plane, in the axes of its body, and how far it reaches beyond them.
 
     They are the corners of the box around it; of a ball its centre.
     """
@@ -190,6 +182,19 @@ def outline(part: DrawnShape) -> tuple[Floats, float]:
         return part.position[None] + turned(part.orientation, 0.5 * (low + high)[None]), 0.5 * float((high - low).max())
     corners = np.where(_CORNERS, high, low)
     return part.position + turned(part.orientation, corners), 0.0
+
+
+def _seen(part: DrawnShape, moves: bool, slab: float | None) -> tuple[list[_Piece], Floats, Any]:
+    """Return a shape as rays see it, the origin of its frame in the axes of its body, and its colour.
+
+    A plane is a cube with edges of 2 `slab`, m, if that is given.
+    """
+    if not is_plane(part):
+        return _pieces(part), part.position, colour_of(part.body) if moves else FIXED
+    if slab is None:
+        return [_Piece(PLANE, np.zeros(0), np.zeros(3), np.inf)], part.position, _GROUND
+    middle = part.position - turned(part.orientation, np.array([0.0, 0.0, slab]))
+    return [_Piece(BOX, np.full(3, slab), np.zeros(3), 2.0 * slab)], middle, _GROUND
 
 
 def _pieces(part: DrawnShape) -> list[_Piece]:

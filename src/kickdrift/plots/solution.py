@@ -37,7 +37,7 @@ def plot_solution(solution: Solution, path: str | Path | None = None, *, ax: "Ax
     Raises
     ------
     ArgumentError
-        If ax is no Axes.
+        If ax is not an Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

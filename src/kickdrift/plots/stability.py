@@ -42,7 +42,7 @@ def plot_stability_region(
     Raises
     ------
     ArgumentError
-        If ax is no Axes.
+        If ax is not an Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

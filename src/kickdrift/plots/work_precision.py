@@ -36,7 +36,7 @@ def plot_work_precision(
     Raises
     ------
     ArgumentError
-        If ax is no Axes.
+        If ax is not an Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

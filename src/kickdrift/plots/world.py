@@ -45,7 +45,7 @@ def plot_recording(recording: Recording, path: str | Path | None = None, *, ax: 
     Raises
     ------
     ArgumentError
-        If ax is no Axes.
+        If ax is not an Axes.
     FileFormatError
         If the file cannot be written.
     MissingExtraError

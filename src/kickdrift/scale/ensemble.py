@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kickdrift.core.arguments import choice
+from kickdrift.core.arguments import check_checkpoint_every, choice
 from kickdrift.core.errors import ArgumentError, FileFormatError, depth_of_caller
 from kickdrift.core.naming import digest
 from kickdrift.engine.description import Description
@@ -163,10 +163,7 @@ def solve_ensemble(
     progress = None if progress is None else choice("progress", progress)
     if executor is not None and threads is not None:
         raise ArgumentError(f"threads={threads!r} and executor={executor!r} are both given; give one of them.")
-    if checkpoint is None and checkpoint_every is not None:
-        raise ArgumentError(
-            f"checkpoint_every={checkpoint_every!r} is given without checkpoint, a folder for them; give it."
-        )
+    check_checkpoint_every(checkpoint, checkpoint_every)
     if checkpoint is not None and save_to is not None:
         raise ArgumentError(
             f"checkpoint={str(checkpoint)!r} and save_to={str(save_to)!r} are both given, but save_to also stores the"

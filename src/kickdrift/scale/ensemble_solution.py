@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError, KickdriftError
+from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
+from kickdrift.engine.motion import Motion
 from kickdrift.engine.solution import Solution
 
 Floats = NDArray[np.float64]
@@ -30,7 +31,7 @@ class EnsemblePresenters:
 
 
 @dataclass(frozen=True, eq=False)
-class EnsembleSolution:
+class EnsembleSolution(Motion):
     """States of M members at the times kept, and how each of them ended; ``solution[i]`` is the `Solution` of one.
 
     Attributes
@@ -106,37 +107,6 @@ class EnsembleSolution:
     def success(self) -> NDArray[np.bool_]:
         """Which members reached the end of t_span or a terminal event, shape (M,)."""
         return np.array([status.success for status in self.status])
-
-    @property
-    def energy(self) -> Floats:
-        """Energy at the times kept, shape (M, T).
-
-        Raises
-        ------
-        KickdriftError
-            If the system has no energy.
-        """
-        if "energy" not in self.invariants:
-            raise KickdriftError(
-                f"{self.about.system!r} has no energy; pass energy=... to its description, for an acceleration"
-                " kd.SecondOrder(acceleration, energy=...)."
-            )
-        return self.invariants["energy"]
-
-    @property
-    def q(self) -> Floats:
-        """Positions under the name that they have in Hamiltonians: x."""
-        return self.x
-
-    @property
-    def p(self) -> Floats:
-        """Momenta of a Hamiltonian: v."""
-        return self.v
-
-    @property
-    def y(self) -> Floats:
-        """States of first-order equations: x."""
-        return self.x
 
     def __len__(self) -> int:
         return len(self.status)

@@ -126,7 +126,7 @@ def _function(knots: Floats, pieces: Floats, rows: float, rounding: float) -> Ca
 
     def find_row(t: float) -> int:
         if not first - rounding <= t <= last + rounding:
-            raise ValueError("a kd.spline is evaluated at a time outside its table")  # OUTSIDE, which is no number
+            raise ValueError("a kd.spline is evaluated at a time outside its table")  # OUTSIDE, which is not a number
         low, high = 0, int(rows) - 1
         guess = min(max(int((t - first) * density), 0), high - 1)
         if knots[guess] <= t < knots[guess + 1]:  # where knots are evenly spaced

@@ -64,7 +64,7 @@ class DrawnBodies:
 
 
 def parts_of(appearance: Appearance) -> tuple[list[DrawnShape], list[DrawnShape]]:
-    """Return the shapes of bodies that are there: those with an end, and planes."""
+    """Return the shapes of existing bodies: bounded ones, and planes."""
     there = [part for part in appearance.parts if appearance.kinds[part.body] != REMOVED]
     planes = [part for part in there if kind_of(part.shape).sort == HALF_SPACE]
     return [part for part in there if kind_of(part.shape).sort != HALF_SPACE], planes

@@ -41,7 +41,7 @@ def show(solution: Solution, height: int = 480) -> Embedded:
     Raises
     ------
     ArgumentError
-        For a height that is no number of pixels.
+        For a height that is not a number of pixels.
     KickdriftError
         As for `Solution.to_html`.
     """

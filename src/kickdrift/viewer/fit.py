@@ -12,7 +12,7 @@ _SAME = 1e-3  # of the distance, by which the place differs that a page sends ba
 
 
 class Fit:
-    """The camera of one page, which stands as far away as the page is narrow, until its user moves it.
+    """The camera of one page, which stands back as far as a narrow page needs, until its user moves it.
 
     A page changes its shape when it is turned or resized, and when the panel of its controls is docked, which happens after
     it has connected.
@@ -20,7 +20,7 @@ class Fit:
     Parameters
     ----------
     camera : viser.CameraHandle
-        At the place for a page that is as wide as high, or wider, or where the page had it before it heard of that.
+        At the place for a page that is at least as wide as high, or where the page had it before that was sent.
     centre : (3,) array
         Of the ball that it sees.
     radius : float

@@ -41,23 +41,23 @@ def view_world(
     Parameters
     ----------
     world : World
-        It runs in a thread of its own from when the page is first opened, in real time where steps are fast enough.
+        It runs in a background thread once the page is first opened, in real time if steps are fast enough.
     step : float
         s.
     control : callable, optional
         Called without arguments before each step.
     port : int
-        Of this machine, for itself alone; 0 takes any that is free.
+        Port on this machine, accessible only from it; 0 chooses a free one.
 
     Returns
     -------
     LivePage
-        Any number of browsers may show it. It is there until it is closed, at the latest when Python ends.
+        Any number of browsers may show it, until it is closed, at the latest when Python ends.
 
     Raises
     ------
     ArgumentError
-        For a step that is not positive and finite, a control that cannot be called, and a port that is taken.
+        For a step that is not positive and finite, a control that cannot be called, and a port that is in use.
     KickdriftError
         If there is nothing to show.
     MissingExtraError
@@ -152,7 +152,7 @@ class LivePage:
         server.on_client_connect(begin)
 
     def _hear(self, drag: Drag) -> None:
-        """Note what the mouse does, which comes from the thread of the server."""
+        """Pass on what the mouse does; called in the thread of the server."""
         live = self._live
         if drag.phase == "start":
             self._asked.put(lambda: live.grab(drag.page, drag.body, drag.grabbed))
@@ -229,7 +229,7 @@ class _Picture:
 
 
 def _made_of(world: World) -> tuple[int, ...]:
-    """Return numbers that change where bodies, shapes, joints or cloths come or go, and now and then else."""
+    """Return numbers that change when bodies, shapes, joints or cloths come or go, and sometimes otherwise."""
     tables = world.tables
     return tables.version, world.bodies.n_made, world.joints.n_made, tables.count(SHAPE), tables.count(CLOTH)
 

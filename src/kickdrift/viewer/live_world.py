@@ -1,4 +1,4 @@
-"""A world that runs in real time, and is played, paused, reset and pulled at."""
+"""A world that runs in real time: it is played, paused and reset, and its bodies are pulled."""
 
 import time
 from collections.abc import Callable
@@ -36,9 +36,9 @@ class LiveWorld:
     reached : float or None
         Seconds of the world in a second, as measured lately; None before.
     trouble : str
-        A sentence about what could not be done, which has paused it, or an empty one.
+        A sentence about what could not be done, and has paused it; empty if there is none.
     grips : dict of int to Grip
-        By the page that holds on.
+        By the page that holds the body.
     shows_contacts : bool
         Whether the points at which bodies press on each other are drawn.
     """
@@ -60,7 +60,7 @@ class LiveWorld:
 
     @property
     def speed(self) -> float:
-        """Seconds of the world in a second, where steps are fast enough; may be given anew."""
+        """Seconds of the world in a second, if steps are fast enough; can be set."""
         return self._speed
 
     @speed.setter
@@ -83,14 +83,14 @@ class LiveWorld:
         self.attempt(self._do_step)
 
     def reset(self) -> None:
-        """Go back to the state at the beginning, and let go of all bodies; what plays goes on from there."""
+        """Go back to the state at the beginning, and let go of all bodies; if it plays, it goes on from there."""
         self.grips.clear()
         self.trouble = ""
         self.attempt(lambda: self.world.restore(self._start))
         self._begin_anew()
 
     def catch_up(self, seconds: float) -> None:
-        """Do the steps that are due by the clock, for about so many seconds; those that are due still are left out."""
+        """Do the steps that are due by the clock, for about so many seconds; those still due then are left out."""
         now = began = self._clock()
         if not self.playing:
             return
@@ -106,7 +106,7 @@ class LiveWorld:
         self._measure(now)
 
     def grab(self, page: int, body: int, point: Floats) -> None:
-        """Take hold of the body in a row at a point, in the world, if it is one that forces move."""
+        """Take hold of a body, given by its row, at a point in the world, if forces move it."""
         if self.world.tables.array(BODY)[body, BODY_KIND] == DYNAMIC:
             self.grips[page] = Grip(self.world, self.world.bodies.handle(body), point, self.step)
 
@@ -116,7 +116,7 @@ class LiveWorld:
             self.grips[page].target = target
 
     def let_go(self, page: int) -> None:
-        """Take the spring of a page away."""
+        """Remove the spring of a page."""
         if self.grips.pop(page, None) is not None:
             self.world.bodies.wake()  # what had come to rest on the spring would sleep in mid-air
 

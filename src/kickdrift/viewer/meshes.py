@@ -1,4 +1,4 @@
-"""What moves from state to state in a scene of viser: shapes that look alike, joints and cloths."""
+"""What moves from state to state in a scene of viser: batches of shapes that look alike, joints and cloths."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -40,7 +40,7 @@ class State(NamedTuple):
 
 
 class Drawn(Protocol):
-    """What may be somewhere else in each state."""
+    """What each state may move."""
 
     def show(self, state: State) -> None:
         """Send what differs from the state shown before."""
@@ -74,7 +74,7 @@ class Drag(NamedTuple):
 
 
 class Batch:
-    """Shapes that look alike but for colour and size."""
+    """Shapes that look alike except for colour and size."""
 
     def __init__(self, parts: list[DrawnShape], surface: Surface, state: State, moves: bool) -> None:
         self.moves = moves
@@ -118,7 +118,7 @@ class Batch:
     def on_drag(self, heard: Callable[[Drag], None]) -> None:
         """Call a function when the mouse drags one of them; it may not take long."""
 
-        async def hear(event: Any) -> None:  # what is no coroutine, viser calls out of order
+        async def hear(event: Any) -> None:  # viser calls what is not a coroutine out of order
             body = int(self._bodies[event.instance_index or 0])
             ends = np.array(event.start_position), np.array(event.end_position)
             heard(Drag(event.client_id, body, event.phase, *ends))

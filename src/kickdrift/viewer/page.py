@@ -56,14 +56,14 @@ class Stage(NamedTuple):
 
 
 def place_for(centre: Floats, radius: float, aspect: float = 1.0) -> Floats:
-    """Return from where a camera sees a ball, in a picture of an aspect, width over height."""
+    """Return where a camera has to be to see all of a ball; the aspect is that of the picture, width over height."""
     distance = radius / math.sin(math.atan(min(aspect, 1.0) * math.tan(0.5 * _FIELD)))
     result: Floats = centre - distance * np.array(AHEAD) / np.linalg.norm(AHEAD)
     return result
 
 
 def check_in_memory(solution: Solution) -> None:
-    """Refuse a solution that has the first and the last of its states.
+    """Refuse a solution that has only the first and the last of its states.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def _stand_back(camera: Any) -> str:
 
 
 def rounded(values: Floats, grain: float) -> Singles:
-    """Round to multiples of a power of two that is not larger than a grain: the last bits are zero, and take no room."""
+    """Round to multiples of a power of two, at most the grain: the last bits are zero, and compress well."""
     step = 2.0 ** math.floor(math.log2(grain))
     result: Singles = (np.round(values / step) * step + 0.0).astype(np.float32)
     return result

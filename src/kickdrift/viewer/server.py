@@ -1,4 +1,4 @@
-"""Servers of viser that this machine alone reaches: no other host, and no other site in a browser of its own."""
+"""Servers of viser that only this machine can reach: neither other hosts, nor other sites in one of its browsers."""
 
 import errno
 import http
@@ -27,7 +27,7 @@ def local_server(port: int) -> Iterator[Any]:
     Parameters
     ----------
     port : int
-        0 takes any that is free.
+        0 chooses a free one.
 
     Yields
     ------
@@ -36,15 +36,16 @@ def local_server(port: int) -> Iterator[Any]:
     Raises
     ------
     ArgumentError
-        For a port that cannot be, or that is taken.
+        For a port that does not exist or is in use.
     MissingExtraError
         If viser is not installed.
 
     Notes
     -----
-    The loopback address keeps other machines out, and not other sites that are open in a browser on this one. They reach its
-    servers in two ways: under a name of theirs that leads to 127.0.0.1 (DNS rebinding), which is then the ``Host`` of the
-    request, and by WebSockets, which browsers open to any server, with the ``Origin`` of the page. Both are refused.
+    The loopback address keeps other machines out, but not other sites that are open in a browser on this one. They can reach
+    its servers in two ways: by a domain name of their own that resolves to 127.0.0.1 (DNS rebinding), which is then the
+    ``Host`` of the request, and by WebSockets, which browsers open to any server, with the ``Origin`` of the page. Both are
+    refused.
     """
     _check_free(port)
     try:
@@ -54,7 +55,7 @@ def local_server(port: int) -> Iterator[Any]:
         raise missing_extra("A page for the browser", "viser", "viewer") from None
 
     class LocalServer(ViserServer):
-        """One that is not passed on to viser's public relay."""
+        """A server that is never shared through viser's public relay."""
 
         def request_share_url(self, verbose: bool = True) -> str | None:
             return None

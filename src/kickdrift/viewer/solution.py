@@ -31,7 +31,7 @@ _MOST_NAMES = 30
 _NAME_SIZES = (1e-4, 0.04)  # heights, of the radius of the scene: least and greatest
 _NAME_APART = 0.25  # of the way to the nearest body, for the height: about a name's width away from it
 _FAINT = 0.6  # of white in the colours of orbits
-_LOST_TURN = 1.0  # radians between two states: farther apart, they are no curve any more
+_LOST_TURN = 1.0  # radians between two states: farther apart, they no longer make a curve
 
 
 class _Orbits(NamedTuple):
@@ -63,7 +63,7 @@ def solution_to_html(solution: Solution, path: str | Path) -> Path:
     Raises
     ------
     ArgumentError
-        If the states are no places in the plane or in space.
+        If the states are not positions in the plane or in space.
     KickdriftError
         If the states are on disk.
     FileFormatError

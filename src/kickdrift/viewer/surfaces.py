@@ -1,4 +1,4 @@
-"""What shapes look like to a browser: triangles, of one size for all of a kind where that can be."""
+"""Triangles of shapes for the browser: of one size for all shapes of a kind, where possible."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -37,7 +37,7 @@ class Surface(NamedTuple):
 
 
 def surface_of(shape: Any) -> Surface:
-    """Return the triangles of a shape that is no plane."""
+    """Return the triangles of a shape that is not a plane."""
     return SURFACES[shape.kind](shape)
 
 

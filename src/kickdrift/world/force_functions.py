@@ -7,7 +7,7 @@ A force names what it needs, and adds in place to the arrays `force` and `torque
 ...         for k in range(3):
 ...             force[body, k] -= 0.1 * velocity[body, k]
 
-Floats and arrays of floats that the function captures are no part of the compiled code: they lie in a table of the world, those
+Floats and arrays of floats that the function captures are not compiled into it: they lie in a table of the world, those
 of one force after those of the other, and each stage advances the offset to those of the next. So functions of the same code,
 such as closures over different numbers, are compiled once, and cached on disk as those that `kickdrift.solve` gets.
 """

@@ -25,7 +25,7 @@ class AppliesForces:
 
     @alone
     def apply_force(self, body: Body, force: ArrayLike, point: ArrayLike | None = None) -> None:
-        """Apply a force in N to a body during the next step.
+        """Apply a force to a body during the next step; forces add up.
 
         Parameters
         ----------
@@ -34,6 +34,11 @@ class AppliesForces:
             N, in the world's axes.
         point : (3,) array_like, optional
             Point of application, in the world, m; the centre of mass by default.
+
+        Raises
+        ------
+        ArgumentError
+            For a body that forces do not move or that was removed, and for numbers that are not finite.
 
         Examples
         --------
@@ -54,7 +59,18 @@ class AppliesForces:
 
     @alone
     def apply_torque(self, body: Body, torque: ArrayLike) -> None:
-        """Apply a torque in N m, (3,) in the world's axes, to a body during the next step.
+        """Apply a torque to a body during the next step; torques add up.
+
+        Parameters
+        ----------
+        body : Body
+        torque : (3,) array_like
+            N m, in the world's axes.
+
+        Raises
+        ------
+        ArgumentError
+            For a body that forces do not move or that was removed, and for numbers that are not finite.
 
         Examples
         --------

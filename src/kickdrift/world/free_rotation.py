@@ -24,10 +24,10 @@ _ROUNDING = 1e-34  # square of half a unit in the last place, nearly
 # Turn in a part, rad, and most parts: 1.2e6 rad/s at 60 steps per second of 4 substeps, in a millisecond or two. The energy is
 # right to rounding; in turns of 1.5 it changes by 1e-5 in a second, and of 2 there may be no solution.
 _PART, _PARTS = 0.5, 10_000
-_NEAR, _LARGE = (
-    1e-4,
-    2.0,
-)  # squares of the relative increment below, and of the turn above which w* is not iterated exactly
+# Squares of the relative increment below which the exact derivative is used, and of the largest turn for it.
+_NEAR, _LARGE = 1e-4, 2.0
+_SLOW = 1e-16  # square of the turn in a substep, rad^2, above which terms of second order exceed rounding
+_FAST = 1.0  # likewise, above which bodies rotate in parts
 _MOMENTS = 1e4  # largest ratio of moments of inertia allowed for: that of a rod a hundred times as long as it is thick
 
 
@@ -39,11 +39,12 @@ def turned_product(q: Quaternion, moments: Symmetric, w: Vector) -> Vector:
 
 @compiled
 def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: Vector) -> Vector:
-    """Return the angular velocity w* of a body in free flight for a time h, rad/s, by Newton's method.
+    """Return the angular velocity w* of a body in free flight for a time h, rad/s.
 
-    It begins with a derivative to first order in h, which is enough for all but slender bodies: after 20 rounds with it, sticks
-    of 1:20 that turn by half a radian gain 2e-5 of their energy in that turn. Farther from the solution, the exact one may lead
-    elsewhere. It has the orientation q and the angular momentum `spin`, in the world's axes; `turn` is the initial guess.
+    The body has the orientation q and the angular momentum `spin`, in the world's axes; `turn` is the initial guess. Newton's
+    method begins with a derivative to first order in h, which is enough for all but slender bodies: after 20 rounds with it,
+    sticks of 1:20 that turn by half a radian gain 2e-5 of their energy in that turn. The exact one is used near the solution,
+    since farther away it may lead elsewhere.
     """
     momentum, w = turned_back(q, spin), turned_back(q, turn)
     error = 0.0
@@ -71,6 +72,42 @@ def mean_turn(h: float, q: Quaternion, moments: Symmetric, spin: Vector, turn: V
             break
         error = change
     return turned(q, w)
+
+
+@compiled
+def free_rotation(
+    h: float, q: Quaternion, moments: Symmetric, spin: Vector, now: Vector, kicked: Vector, w: Vector, last: float
+) -> tuple[Quaternion, float, Vector, Vector]:
+    """Return how a body without joints rotates in a substep.
+
+    Where contacts have acted on it since the kick, w* is computed again from its present angular momentum: about an axis that
+    is right to first order only, a capsule without friction would gain or lose spin.
+
+    Parameters
+    ----------
+    h, q, moments, spin
+        The substep, s, and the orientation, moments of inertia and angular momentum of the body.
+    now, kicked, w : Vector
+        Its angular velocity, w* as the kick left it, and w* with the impulses since then, rad/s.
+    last : float
+        When in the substep its last impact was, s; 0.0 if there was none.
+
+    Returns
+    -------
+    q, left, w, turn
+        An orientation in the substep, the time that is left from there on, w* in it, and the turn over the whole substep, rad.
+    """
+    won = minus(w, kicked)
+    left, turn, change = h, times(h, w), dot(won, won)
+    if change == 0.0 and last == 0.0 and h * h * dot(now, now) > _FAST:
+        q, left, w = fast_rotation(h, q, moments, spin, now)
+    elif change > 0.0 and h * h * dot(w, w) > _SLOW:
+        # From the orientation that it had at its last impact within the substep
+        turn, left = times(last, kicked), h - last
+        q = product(exponential(turn), q)
+        w = mean_turn(left, q, moments, spin, w)
+        turn = plus(turn, times(left, w))
+    return q, left, w, turn
 
 
 @compiled

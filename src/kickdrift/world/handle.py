@@ -1,19 +1,16 @@
 """Handles: users' references to rows of a world, which detect that their row has been removed or reused."""
 
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self
 from weakref import ReferenceType
 
 from kickdrift.world.names import Names
-
-if TYPE_CHECKING:
-    from kickdrift.world.world import World
 
 
 class Registry(Protocol):
     """The rows of one kind in a world: its bodies, joints or cloths."""
 
     names: Names
-    world: "ReferenceType[World] | None"  # weak: handles do not keep the memory of a world that is gone
+    world: ReferenceType[Any] | None  # weak: handles do not keep the memory of a world that is gone
 
     def row(self, handle: Any) -> int:
         """Return the row of a handle; ArgumentError if it is gone."""
@@ -34,6 +31,7 @@ class Handle:
     _index: int
     _generation: int
     _last_name: str | None  # the last name seen, for messages about removed rows
+    registered_in: ClassVar[str]  # the attribute of a world that is the registry of its handles of this kind
 
     @property
     def index(self) -> int:
@@ -47,11 +45,6 @@ class Handle:
 
     @property
     def _registry(self) -> Registry:
-        raise NotImplementedError
-
-    @staticmethod
-    def registry_of(world: "World") -> Registry:
-        """Return the registry of handles of this kind in a world."""
         raise NotImplementedError
 
     @property
@@ -91,7 +84,7 @@ class Handle:
         return _handle_in, (world, type(self), self.index, self._generation)
 
 
-def _handle_in(world: "World", kind: Any, index: int, generation: int) -> Handle:
+def _handle_in(world: Any, kind: Any, index: int, generation: int) -> Handle:
     """Return the handle of the same row in a copy of the world."""
-    handle: Handle = kind(index, generation, kind.registry_of(world))
+    handle: Handle = kind(index, generation, getattr(world, kind.registered_in))
     return handle

@@ -15,6 +15,8 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
+    Quaternion,
+    Vector,
     applied,
     dot,
     exponential,
@@ -28,7 +30,7 @@ from kickdrift.core.vectors import (
     unit,
 )
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.free_rotation import fast_rotation, mean_turn, turned_product
+from kickdrift.world.free_rotation import free_rotation, mean_turn, turned_product
 from kickdrift.world.layout import (
     ADDED,
     ANGULAR_VELOCITY,
@@ -85,9 +87,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-
-_SLOW = 1e-16  # square of the turn in a substep, rad^2, above which terms of second order exceed rounding
-_FAST = 1.0  # likewise, above which free bodies rotate in parts
 
 
 @compiled
@@ -214,11 +213,7 @@ def _set_mean_turn(body: int, h: float, pose: Any, motion: Any, inertia: Any, ki
 
 @compiled
 def drift(t: float, h: float, world: int) -> None:
-    """Move bodies with their velocities, and rotate them by the exponential of h times their angular velocities.
-
-    For free bodies on which contacts have acted since the kick, w* is computed again from their present angular momentum: about
-    an axis that is right to first order only, a capsule without friction would gain or lose spin.
-    """
+    """Move bodies with their velocities, and rotate them by the exponential of h times their angular velocities."""
     motion, kicked, delta_pose = floats(world, MOTION), floats(world, KICKED), floats(world, DELTA_POSE)
     inertia, inverse_mass, pose = floats(world, INERTIA), floats(world, INVERSE_MASS), floats(world, POSE)
     body_kind, midpoint = integers(world, BODY), floats(world, SETTINGS)[0, MIDPOINT]
@@ -228,56 +223,61 @@ def drift(t: float, h: float, world: int) -> None:
         kind = body_kind[body, BODY_KIND]
         if kind < KINEMATIC or body_kind[body, AWAKE] == 0:
             continue
-        free = midpoint != 0.0 and kicked[body, KICK] != HALF_KICK
-        # Contacts without impulses change a velocity by rounding errors.
-        added = abs(kicked[body, ADDED]) + abs(kicked[body, ADDED + 1]) + abs(kicked[body, ADDED + 2])
-        for k in range(3):
-            alone = abs(motion[body, VELOCITY + k] - kicked[body, KICKED_VELOCITY + k]) <= 1e-9 * added
-            free = free and alone
-        # In free flight the position moves with the mean of the velocities before and after the kick: exact for gravity.
-        back = 0.5 if free else 0.0
-        if kicked[body, KICK] != HALF_KICK:
-            kicked[body, KICK] = FREE_KICK if free else WHOLE_KICK
-        for k in range(3):
-            way = h * (motion[body, VELOCITY + k] - back * kicked[body, ADDED + k])
-            pose[body, POSITION + k] += way
-            delta_pose[body, DISPLACEMENT + k] += way
-        before = quaternion_at(pose, body, ORIENTATION)
-        w = vector_at(motion, body, ANGULAR_VELOCITY)
-        turns, way, left = inertia[body, INERTIA_KIND] == TUMBLES and kind == DYNAMIC, times(h, w), h
-        spin, moments = (0.0, 0.0, 0.0), symmetric_at(inertia, body, BODY_INERTIA)
-        if turns:
-            won = minus(w, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY))
-            spin = plus(vector_at(kicked, body, SPIN), turned_product(before, moments, won))
-            alone, last = body_kind[body, LINK_COUNT] == 0, kicked[body, IMPACT_TIME]
-            now = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), spin)
-            if alone and dot(won, won) == 0.0 and last == 0.0 and h * h * dot(now, now) > _FAST:
-                before, left, w = fast_rotation(h, before, moments, spin, now)
-            elif alone and dot(won, won) > 0.0 and h * h * dot(w, w) > _SLOW:
-                # From the orientation that it had at its last impact within the substep
-                way, left = times(last, vector_at(kicked, body, KICKED_ANGULAR_VELOCITY)), h - last
-                before = product(exponential(way), before)
-                w = mean_turn(left, before, moments, spin, w)
-                way = plus(way, times(left, w))
-        for k in range(3):
-            delta_pose[body, ROTATION + k] += way[k]
+        _translate(body, h, midpoint != 0.0, pose, delta_pose, motion, kicked)
+        before, w = quaternion_at(pose, body, ORIENTATION), vector_at(motion, body, ANGULAR_VELOCITY)
+        tumbles, spin = inertia[body, INERTIA_KIND] == TUMBLES and kind == DYNAMIC, (0.0, 0.0, 0.0)
+        left, turn = h, times(h, w)
+        if tumbles:
+            moments = symmetric_at(inertia, body, BODY_INERTIA)
+            was, last = vector_at(kicked, body, KICKED_ANGULAR_VELOCITY), kicked[body, IMPACT_TIME]
+            spin = plus(vector_at(kicked, body, SPIN), turned_product(before, moments, minus(w, was)))
+            if body_kind[body, LINK_COUNT] == 0:
+                now = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), spin)
+                before, left, w, turn = free_rotation(h, before, moments, spin, now, was, w, last)
         q = unit(product(exponential(times(left, w)), before))
+        for k in range(3):
+            delta_pose[body, ROTATION + k] += turn[k]
         for k in range(4):
             pose[body, ORIENTATION + k] = q[k]
-        if turns:
-            inverse = symmetric_at(inertia, body, INVERSE_INERTIA)
-            w = turned(q, applied(inverse, turned_back(q, spin)))
-            turned_inverse = turned_symmetric(q, inverse)
-            for k in range(3):
-                motion[body, ANGULAR_VELOCITY + k], kicked[body, LEFT_TURN + k], kicked[body, SPIN + k] = (
-                    w[k],
-                    w[k],
-                    spin[k],
-                )
-            for k in range(4):
-                kicked[body, LEFT_POSE + k] = q[k]
-            for k in range(6):
-                inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = turned_inverse[k]
+        if tumbles:
+            _store_spin(body, spin, q, motion, kicked, inertia, inverse_mass)
+
+
+@compiled
+def _translate(body: int, h: float, midpoint: bool, pose: Any, delta_pose: Any, motion: Any, kicked: Any) -> None:
+    """Move a body with its velocity, and record in KICK whether it is in free flight.
+
+    In free flight the position moves with the mean of the velocities before and after the kick: exact for gravity.
+    """
+    free = midpoint and kicked[body, KICK] != HALF_KICK
+    # Contacts without impulses change a velocity by rounding errors.
+    added = abs(kicked[body, ADDED]) + abs(kicked[body, ADDED + 1]) + abs(kicked[body, ADDED + 2])
+    for k in range(3):
+        alone = abs(motion[body, VELOCITY + k] - kicked[body, KICKED_VELOCITY + k]) <= 1e-9 * added
+        free = free and alone
+    back = 0.5 if free else 0.0
+    if kicked[body, KICK] != HALF_KICK:
+        kicked[body, KICK] = FREE_KICK if free else WHOLE_KICK
+    for k in range(3):
+        way = h * (motion[body, VELOCITY + k] - back * kicked[body, ADDED + k])
+        pose[body, POSITION + k] += way
+        delta_pose[body, DISPLACEMENT + k] += way
+
+
+@compiled
+def _store_spin(
+    body: int, spin: Vector, q: Quaternion, motion: Any, kicked: Any, inertia: Any, inverse_mass: Any
+) -> None:
+    """Store a body's angular momentum, and what follows from it in its new orientation."""
+    inverse = symmetric_at(inertia, body, INVERSE_INERTIA)
+    w, inverse_in_world = turned(q, applied(inverse, turned_back(q, spin))), turned_symmetric(q, inverse)
+    for k in range(3):
+        motion[body, ANGULAR_VELOCITY + k], kicked[body, LEFT_TURN + k] = w[k], w[k]
+        kicked[body, SPIN + k] = spin[k]
+    for k in range(4):
+        kicked[body, LEFT_POSE + k] = q[k]
+    for k in range(6):
+        inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse_in_world[k]
 
 
 @compiled

@@ -84,7 +84,21 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> list[RayHit]:
-        """Return the first hit of a ray on every shape along it, nearest first; arguments as in `ray_cast`.
+        """Return the first hit of a ray on every shape along it, nearest first.
+
+        Parameters
+        ----------
+        origin, direction, limit, layers, ignore
+            As in `ray_cast`.
+
+        Returns
+        -------
+        list of RayHit
+
+        Raises
+        ------
+        ArgumentError
+            As `ray_cast`.
 
         Examples
         --------
@@ -105,7 +119,26 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> RayHits:
-        """Return the nearest shape that each of many rays hits, as arrays; (N, 3) directions from (N, 3) or (3,) origins.
+        """Return the nearest shape that each of many rays hits, as arrays.
+
+        Parameters
+        ----------
+        origins : (N, 3) or (3,) array_like
+            m.
+        directions : (N, 3) array_like
+            Any lengths but zero.
+        limit, layers, ignore
+            As in `ray_cast`.
+
+        Returns
+        -------
+        RayHits
+            One row per ray; the distance is infinite where it hits nothing.
+
+        Raises
+        ------
+        ArgumentError
+            As `ray_cast`, and for numbers of origins and directions that differ.
 
         Examples
         --------
@@ -166,7 +199,21 @@ class SpatialQueries:
         layers: Iterable[int] | None = None,
         ignore: _Ignored = (),
     ) -> list[Body]:
-        """Return the bodies that overlap a sphere with a radius in m; other arguments as in `overlap_box`.
+        """Return the bodies that overlap a sphere.
+
+        Parameters
+        ----------
+        radius : float
+            m.
+        position : (3,) array_like
+            Of its centre, m.
+        layers, ignore
+            As in `overlap_box`.
+
+        Raises
+        ------
+        ArgumentError
+            As `overlap_box`.
 
         Examples
         --------

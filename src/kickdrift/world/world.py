@@ -14,6 +14,7 @@ from kickdrift.world import settings
 from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.batch import BATCH_COLOURS
 from kickdrift.world.bodies.adding_shapes import AddsShapes
+from kickdrift.world.bodies.adding_surfaces import AddsSurfaces
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
@@ -54,6 +55,7 @@ class World(
     KeepsHistory,
     BodyViews,
     AddsShapes,
+    AddsSurfaces,
     AddsJoints,
     AddsCloths,
     AddsRopes,
@@ -257,7 +259,19 @@ class World(
         self.advance(step, 1)
 
     def advance(self, step: float, count: int) -> None:
-        """Do a number of steps in compiled code, as by repeated calls of `step`.
+        """Do a number of steps in compiled code, as by repeated calls of `step`, with the same errors and warnings.
+
+        Parameters
+        ----------
+        step : float
+            s.
+        count : int
+            Number of steps, zero or more.
+
+        Raises
+        ------
+        ArgumentError
+            For a step that is not positive and finite, and a count that is not such a number.
 
         Examples
         --------

@@ -113,7 +113,7 @@ def parse(
     MissingExtraError
         If MuJoCo is not installed.
     FileFormatError
-        If there is no such file, or it is no MJCF or URDF that MuJoCo understands.
+        If there is no such file, or it is not MJCF or URDF that MuJoCo understands.
     ArgumentError
         For ``floating=True`` with a file that specifies floating bodies itself.
     """

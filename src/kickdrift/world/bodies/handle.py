@@ -13,7 +13,6 @@ from kickdrift.world.tables import MOTION, POSE
 
 if TYPE_CHECKING:
     from kickdrift.world.bodies.registry import Bodies
-    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -43,9 +42,20 @@ class Body(Handle):
     Poses and velocities are live views of the rows of `World.position` and the like: writing into them moves the body; copy
     values that are to be kept. Assign the pose of a static body as a whole (``wall.position = ...``), so that collision
     detection is updated. Every access raises `ArgumentError` once the body is removed, as does assigning an invalid value.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1), mass=2.0)
+    >>> ball.velocity = (3, 0, 0)
+    >>> ball.velocity[2] = 4
+    >>> world.energy().kinetic
+    25.0
     """
 
     __slots__ = ("_bodies", "_views")
+    registered_in = "bodies"
 
     def __init__(self, index: int, generation: int, bodies: Bodies) -> None:
         self._index, self._generation, self._bodies = index, generation, bodies
@@ -60,11 +70,6 @@ class Body(Handle):
     @property
     def _registry(self) -> Bodies:
         return self._bodies
-
-    @staticmethod
-    def registry_of(world: World) -> Bodies:
-        """Return the bodies of a world."""
-        return world.bodies
 
     @property
     def position(self) -> Floats:

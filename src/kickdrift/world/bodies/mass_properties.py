@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.arguments import number, vector
+from kickdrift.world.bodies.part import Part
 from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed
 from kickdrift.world.shapes.record import SOLID
-
-if TYPE_CHECKING:
-    from kickdrift.world.bodies.part import Part
 
 
 def mass_properties_of(

@@ -31,6 +31,11 @@ class Part:
     **surface
         The surface options of `World.add_body` in which it differs from the body, such as `friction`.
 
+    Raises
+    ------
+    ArgumentError
+        For anything but a shape, and for an invalid pose, density or surface.
+
     Examples
     --------
     >>> import kickdrift as kd

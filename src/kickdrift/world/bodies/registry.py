@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 from weakref import ReferenceType
 
 import numpy as np
@@ -68,9 +68,6 @@ from kickdrift.world.tables import (
     Tables,
 )
 
-if TYPE_CHECKING:
-    from kickdrift.world.world import World
-
 Floats = NDArray[np.float64]
 GROUND = 0
 _TABLES: tuple[Table, ...] = (
@@ -96,7 +93,7 @@ class Bodies:
         self._shape_rows = shape_rows
         self._mass_changed = mass_changed
         self.names = Names("body")
-        self.world: ReferenceType[World] | None = None
+        self.world: ReferenceType[Any] | None = None
         self.free: list[int] = []
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two bodies would share a handle
         self.ground = self.add(STATIC, np.zeros(3), np.array([1.0, 0, 0, 0]))

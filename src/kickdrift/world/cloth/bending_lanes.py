@@ -1,5 +1,6 @@
 """The forces of bending on eight particles at once; see `kickdrift.world.cloth.bending`."""
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -10,6 +11,35 @@ from numba.extending import intrinsic
 from kickdrift.world.cloth.lanes import VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
 from kickdrift.world.cloth.layout import CURVES, FORCES, LANE_FIELDS, PLACES
 from kickdrift.world.contacts.layout import WIDTH
+
+Place = Callable[[int], Any]  # of the numbers of eight particles in a field
+_AXES = range(3)
+
+
+def _curvature(builder: Any, fields: Any, own: Sequence[Lanes], place: Place, couplings: Sequence[Any]) -> list[Lanes]:
+    """Return the sum of a weight times the vector to each coupled particle; `couplings` are offsets, weights, and a range."""
+    offsets, weights, first, last = couplings
+    totals = [cgutils.alloca_once_value(builder, ir.Constant(VECTOR, None)) for _ in _AXES]
+    with cgutils.for_range_slice(builder, first, last, WORD(1), intp=WORD) as (row, _):
+        offset = builder.load(builder.gep(offsets, [row]))
+        weight = same(builder, builder.load(builder.gep(weights, [row])))
+        for k in _AXES:
+            way = loaded(builder, fields, builder.add(place(PLACES + k), offset)) - own[k]
+            builder.store((Lanes(builder, builder.load(totals[k])) + weight * way).value, totals[k])
+    return [Lanes(builder, builder.load(total)) for total in totals]
+
+
+def _lanes_from(builder: Any, first: Any) -> Any:
+    """Return the mask of the lanes from `first` on."""
+    words, zeros = ir.VectorType(WORD, WIDTH), ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), None)
+    one = builder.insert_element(ir.Constant(words, ir.Undefined), first, ir.IntType(32)(0))
+    return builder.icmp_signed(">=", ir.Constant(words, list(range(WIDTH))), builder.shuffle_vector(one, one, zeros))
+
+
+def _products(arm: Sequence[Lanes], curve: Sequence[Lanes], change: Sequence[Lanes]) -> tuple[Lanes, ...]:
+    """Return the products whose sums over all particles determine the rotation; see `kickdrift.world.cloth.bending`."""
+    (u, v, w), (a, b, c), (p, q, r) = arm, curve, change
+    return v * r - w * q, w * p - u * r, u * q - v * p, u * a, v * b, w * c, u * b, u * c, v * c
 
 
 def _couple(damped: bool) -> Any:
@@ -22,46 +52,29 @@ def _couple(damped: bool) -> Any:
         def place(field: int) -> Any:
             return builder.add(i, builder.mul(size, WORD(field)))
 
-        axes = range(3)
-        own = [loaded(builder, fields, place(PLACES + k)) for k in axes]
-        zero = ir.Constant(VECTOR, None)
-        totals = [cgutils.alloca_once_value(builder, zero) for _ in axes]
-        with cgutils.for_range_slice(builder, first, last, WORD(1), intp=WORD) as (row, _):
-            offset = builder.load(builder.gep(offsets, [row]))
-            weight = same(builder, builder.load(builder.gep(weights, [row])))
-            for k in axes:
-                way = loaded(builder, fields, builder.add(place(PLACES + k), offset)) - own[k]
-                builder.store((Lanes(builder, builder.load(totals[k])) + weight * way).value, totals[k])
-        sums = [Lanes(builder, builder.load(total)) for total in totals]
-        changes = [sums[k] - loaded(builder, fields, place(CURVES + k)) for k in axes] if damped else []
-        for k in axes:
-            builder.store(sums[k].value, vector_pointer(builder, fields, place(CURVES + k)), align=8)
-        places = ir.Constant(ir.VectorType(WORD, WIDTH), list(range(WIDTH)))
-        skipped = builder.insert_element(ir.Constant(ir.VectorType(WORD, WIDTH), ir.Undefined), skip, ir.IntType(32)(0))
-        zeros = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), None)
-        anew = builder.icmp_signed(">=", places, builder.shuffle_vector(skipped, skipped, zeros))
+        def add(numbers: Any, index: Any, more: Lanes) -> None:
+            kept = Lanes(builder, builder.select(wanted, more.value, ir.Constant(VECTOR, None)))
+            total = loaded(builder, numbers, index) + kept
+            builder.store(total.value, vector_pointer(builder, numbers, index), align=8)
 
-        def fresh(number: Lanes) -> Lanes:
-            return Lanes(builder, builder.select(anew, number.value, zero))
-
-        pulls = sums
+        own = [loaded(builder, fields, place(PLACES + k)) for k in _AXES]
+        curve = _curvature(builder, fields, own, place, (offsets, weights, first, last))
+        change = [curve[k] - loaded(builder, fields, place(CURVES + k)) for k in _AXES] if damped else []
+        for k in _AXES:
+            builder.store(curve[k].value, vector_pointer(builder, fields, place(CURVES + k)), align=8)
+        wanted = _lanes_from(builder, skip)
+        pulls = curve
         if damped:
             ahead = same(builder, values[9])
-            pulls = [sums[k] + ahead * changes[k] for k in axes]
-        for k in axes:
-            total = loaded(builder, fields, place(FORCES + k)) + fresh(same(builder, stiffness) * pulls[k])
-            builder.store(total.value, vector_pointer(builder, fields, place(FORCES + k)), align=8)
+            pulls = [curve[k] + ahead * change[k] for k in _AXES]
+        for k in _AXES:
+            add(fields, place(FORCES + k), same(builder, stiffness) * pulls[k])
         if damped:
-            added = begin_of(context, builder, signature.args[11], values[11])
-            first_of_all = [builder.add(values[10], builder.mul(size, WORD(PLACES + k))) for k in axes]
-            origin = [same(builder, builder.load(builder.gep(fields, [index]))) for index in first_of_all]
-            (u, v, w), (a, b, c), (p, q, r) = [own[k] - origin[k] for k in axes], sums, changes
-            products = (
-                v * r - w * q, w * p - u * r, u * q - v * p, u * a, v * b, w * c, u * b, u * c, v * c,
-            )  # fmt: skip
-            for k, product in enumerate(products):
-                total = loaded(builder, added, WORD(WIDTH * k)) + fresh(product)
-                builder.store(total.value, vector_pointer(builder, added, WORD(WIDTH * k)), align=8)
+            sums = begin_of(context, builder, signature.args[11], values[11])
+            origin = [builder.add(values[10], builder.mul(size, WORD(PLACES + k))) for k in _AXES]
+            arm = [own[k] - same(builder, builder.load(builder.gep(fields, [origin[k]]))) for k in _AXES]
+            for k, product in enumerate(_products(arm, curve, change)):
+                add(sums, WORD(WIDTH * k), product)
         return context.get_dummy_value()
 
     word, real = types.int64, types.float64

@@ -14,7 +14,6 @@ from kickdrift.world.handle import Handle
 
 if TYPE_CHECKING:
     from kickdrift.world.cloth.registry import Cloths
-    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
@@ -34,6 +33,7 @@ class Deformable(Handle):
     """
 
     __slots__ = ("_cloths",)
+    registered_in = "cloths"
 
     def __init__(self, index: int, generation: int, cloths: Cloths) -> None:
         self._index, self._generation, self._cloths = index, generation, cloths
@@ -47,11 +47,6 @@ class Deformable(Handle):
     def registry(self) -> Cloths:
         """The cloths of its world."""
         return self._cloths
-
-    @staticmethod
-    def registry_of(world: World) -> Cloths:
-        """Return the cloths of a world."""
-        return world.cloths
 
     @property
     def index(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+from typing import Any, TypeVar
 from weakref import ReferenceType
 
 import numpy as np
@@ -31,9 +31,6 @@ from kickdrift.world.cloth.vibration import put_membrane_rate
 from kickdrift.world.names import Names
 from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PIN, TETRAHEDRON, Tables
 
-if TYPE_CHECKING:
-    from kickdrift.world.world import World
-
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 D = TypeVar("D", bound=Deformable)
@@ -52,7 +49,7 @@ class Cloths:
     def __init__(self, tables: Tables, bodies: Bodies) -> None:
         self.tables, self._bodies = tables, bodies
         self.names = Names("cloth")
-        self.world: ReferenceType[World] | None = None
+        self.world: ReferenceType[Any] | None = None
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two cloths would share a handle
         self._substep, self._arranged = 0.0, -1
 

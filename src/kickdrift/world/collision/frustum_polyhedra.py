@@ -77,20 +77,10 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
     """
     seen = floats_on_stack(PLACED)
     place_polyhedron(seen, body, frame)
-    face, gap_face = _NONE, -np.inf
-    for k in range(faces):
-        normal, offset = plane(seen, k)
-        gap = -highest(f, times(-1.0, normal)) - offset
-        if gap > gap_face:
-            face, gap_face = k, gap
-            if gap > margin:
-                return 0
-    upper, gap_end = False, -np.inf
-    for end in range(2):
-        if f[end] > 0.0:
-            gap = lowest(seen, (0.0, 0.0, 1.0 if end == 1 else -1.0)) - f[2]
-            if gap > gap_end:
-                upper, gap_end = end == 1, gap
+    face, gap_face = _best_face(f, seen, faces, margin)
+    if gap_face > margin:
+        return 0
+    upper, gap_end = _best_end(f, seen)
     if gap_end > margin:
         return 0
     flat = max(gap_face, gap_end)
@@ -124,16 +114,49 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
         return put_overlap(depth, way, x, frame, manifold)
     if number == _NONE:
         return 0
-    begin, last, _, _ = edge(body, number)
-    p, q, lower = vertex(seen, begin), vertex(seen, last), vertex(seen, support(seen, times(-1.0, normal)))
-    if dot(normal, along(p, t, minus(q, p))) > dot(normal, lower) + tolerance:
-        p = q = lower
+    p, q = _ends(body, seen, number, t, normal, tolerance)
     count = touch_edge(f, p, q, number, t, normal, margin, frame, manifold)
     if near != 0 or count > 1 or (count == 1 and not is_off(f, manifold, ON_B, tolerance)):
         return count
     if depth == 0.0:  # a point of another edge touches
         depth, way, x = overlap_of_polyhedron(seen, frame, f)
     return put_overlap(depth, way, x, frame, manifold) if depth > 0.0 else count
+
+
+@compiled
+def _best_face(f: Frustum, seen: Any, faces: int, margin: float) -> tuple[int, float]:
+    """Find the face that separates the two most, or one that does by more than the margin, and its gap, m."""
+    face, best = _NONE, -np.inf
+    for k in range(faces):
+        normal, offset = plane(seen, k)
+        gap = -highest(f, times(-1.0, normal)) - offset
+        if gap > best:
+            face, best = k, gap
+            if gap > margin:
+                break
+    return face, best
+
+
+@compiled
+def _best_end(f: Frustum, seen: Any) -> tuple[bool, float]:
+    """Find the end of the frustum that separates the two more, unless it is a point: whether the upper one, and its gap, m."""
+    upper, best = False, -np.inf
+    for end in range(2):
+        if f[end] > 0.0:
+            gap = lowest(seen, (0.0, 0.0, 1.0 if end == 1 else -1.0)) - f[2]
+            if gap > best:
+                upper, best = end == 1, gap
+    return upper, best
+
+
+@compiled
+def _ends(body: Any, seen: Any, number: int, t: float, normal: Vector, tolerance: float) -> tuple[Vector, Vector]:
+    """Return the ends of an edge, or twice the lowest vertex if that is deeper than the edge at t."""
+    begin, last, _, _ = edge(body, number)
+    p, q, lower = vertex(seen, begin), vertex(seen, last), vertex(seen, support(seen, times(-1.0, normal)))
+    if dot(normal, along(p, t, minus(q, p))) > dot(normal, lower) + tolerance:
+        return lower, lower
+    return p, q
 
 
 @compiled

@@ -7,7 +7,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import times
+from kickdrift.core.vectors import Vector, times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
 from kickdrift.world.collision.face_preference import SHARE_OFF, SLACK, tolerance_of
 from kickdrift.world.collision.manifold_reduction import choose, put_manifold
@@ -95,15 +95,9 @@ def touching(
         See `kickdrift.world.collision`.
     """
     edges_a, edges_b = floats_on_stack(_EDGES), floats_on_stack(_EDGES)
+    face_normal, above_a, below_b = _slab(a, b_seen, gap_a, face_a, gap_b, face_b)
     # A contact with separation g has |g| <= `reach`, and the two are no farther apart than |g|. So the edges of the pair with
     # the largest separation, which touch within |g|, are this close to the plane of the best face.
-    if gap_a >= gap_b:
-        face_normal, above_a = plane(a, face_a)
-        below_b = above_a + gap_a
-    else:
-        outward, below = plane(b_seen, face_b)
-        face_normal, below_b = times(-1.0, outward), -below
-        above_a = below_b - gap_b
     gap_faces = max(gap_a, gap_b)
     reach = max(margin, -gap_faces)
     count_a = edges_beyond(a, a, face_normal, below_b - reach, edges_a)
@@ -150,3 +144,13 @@ def touching(
             return count
         nearest = min(nearest, depth)
     return 0
+
+
+@compiled
+def _slab(a: Any, b_seen: Any, gap_a: float, face_a: int, gap_b: float, face_b: int) -> tuple[Vector, float, float]:
+    """Return the normal of the face that separates two polyhedra most, from a to b, and where along it a ends and b begins."""
+    if gap_a >= gap_b:
+        normal, above_a = plane(a, face_a)
+        return normal, above_a, above_a + gap_a
+    outward, below = plane(b_seen, face_b)
+    return times(-1.0, outward), -below - gap_b, -below

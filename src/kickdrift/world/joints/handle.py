@@ -8,21 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.handle import Handle
-from kickdrift.world.joints.axis import Axis, Drive, Motor, check_kind, finite
+from kickdrift.world.joints.axis import finite
 from kickdrift.world.joints.joint_positions import place, set_speed
+from kickdrift.world.joints.laws_of_handle import HasLaws
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
 from kickdrift.world.joints.views import JointViews, look_up
 from kickdrift.world.layout import AWAKE, LOAD_TORQUE, TIME_AT_REST
 
 if TYPE_CHECKING:
     from kickdrift.world.joints.registry import Joints
-    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 
 
-class Joint(Handle):
+class Joint(HasLaws):
     """A joint of a world.
 
     Attributes
@@ -41,9 +40,23 @@ class Joint(Handle):
     Axes 0-2 are linear and 3-5 angular; the default of ``axis`` is the axis of a hinge or a slider, and the line of a
     distance joint, a rope or a spring. Positions and angles are those at the end of the last step, or those set since. Every
     access raises `ArgumentError` once the joint is removed.
+
+    Examples
+    --------
+    >>> import kickdrift as kd
+    >>> world = kd.World()
+    >>> rod = world.add_capsule(0.05, 0.9, position=(0, 0, -0.5), mass=1.0)
+    >>> hinge = world.add_hinge(None, rod, anchor=(0, 0, 0), axis=(0, 1, 0))
+    >>> hinge.place(0.5)
+    >>> round(hinge.angle, 6), hinge.speed
+    (0.5, 0.0)
+    >>> world.advance(1 / 60, 60)
+    >>> bool(-0.5 < hinge.angle < 0.5)
+    True
     """
 
     __slots__ = ("_joints", "_views")
+    registered_in = "joints"
 
     def __init__(self, index: int, generation: int, joints: Joints) -> None:
         self._index, self._generation, self._joints = index, generation, joints
@@ -58,11 +71,6 @@ class Joint(Handle):
     @property
     def _registry(self) -> Joints:
         return self._joints
-
-    @staticmethod
-    def registry_of(world: World) -> Joints:
-        """Return the joints of a world."""
-        return world.joints
 
     @property
     def angles(self) -> Floats:
@@ -165,6 +173,17 @@ class Joint(Handle):
         ------
         ArgumentError
             For an effort that is not finite, and for an axis that is locked.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World(gravity=(0, 0, 0))
+        >>> block = world.add_box((1, 1, 1), mass=2.0)
+        >>> slider = world.add_slider(None, block, anchor=(0, 0, 0), axis=(1, 0, 0))
+        >>> slider.apply_effort(12.0)
+        >>> world.step(1 / 60)
+        >>> round(slider.speed, 6)
+        0.1
         """
         finite("effort", effort)
         views = self._current_views()
@@ -184,47 +203,6 @@ class Joint(Handle):
             else:
                 a, b, c = arm.tolist()
                 load[:] = (u + f, v + g, w + h, p + b * h - c * g, q + c * f - a * h, r + a * g - b * f)
-
-    def motor(self, axis: int | None = None) -> Motor | None:
-        """Return the motor of an axis, or None; axes are as in `apply_effort`."""
-        found: Motor | None = self._joints.law(self, axis, "motor")
-        return found
-
-    def drive(self, axis: int | None = None) -> Drive | None:
-        """Return the drive of an axis, or None, with stiffness and damping even if it was set by its frequency.
-
-        Change a part of it with ``joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))``.
-        """
-        found: Drive | None = self._joints.law(self, axis, "drive")
-        return found
-
-    def limits(self, axis: int | None = None) -> tuple[float, float] | None:
-        """Return the limits of an axis, m or rad, or None."""
-        found: tuple[float, float] | None = self._joints.law(self, axis, "limits")
-        return found
-
-    def friction(self, axis: int | None = None) -> float:
-        """Return the dry friction of an axis, N or N m."""
-        found: float = self._joints.law(self, axis, "friction")
-        return found
-
-    def set_motor(self, motor: Motor | None, axis: int | None = None) -> None:
-        """Set the motor of an axis; None removes it."""
-        check_kind("motor", motor, Motor)
-        self._joints.change_law(self, axis, "motor", motor)
-
-    def set_drive(self, drive: Drive | None, axis: int | None = None) -> None:
-        """Set the drive of an axis; None removes it."""
-        check_kind("drive", drive, Drive)
-        self._joints.change_law(self, axis, "drive", drive)
-
-    def set_limits(self, limits: tuple[float, float] | None, axis: int | None = None) -> None:
-        """Set the limits of an axis, m or rad; None removes them."""
-        self._joints.change_law(self, axis, "limits", Axis(limits=limits).limits)
-
-    def set_friction(self, friction: float, axis: int | None = None) -> None:
-        """Set the dry friction of an axis, N or N m."""
-        self._joints.change_law(self, axis, "friction", Axis(friction=friction).friction)
 
     def place(self, value: float, axis: int | None = None) -> None:
         """Move a joint to an angle or position, with everything attached to it; the rates of all joints stay the same.

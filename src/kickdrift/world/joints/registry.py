@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import ReferenceType
 
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis import Axis
-from kickdrift.world.joints.axis_law_rows import LAW_PARTS, LawPart, check_changeable, clear_laws, read_law, write_law
+from kickdrift.world.joints.axis_law_rows import LawPart, check_changeable, read_law, write_law
 from kickdrift.world.joints.breaking import overloaded
-from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.joint_positions import signs
+from kickdrift.world.joints.joint_rows import write_joint
 from kickdrift.world.joints.mass_changes import follow_mass
 from kickdrift.world.joints.planar import within_plane
-from kickdrift.world.joints.record import Placement, Record
+from kickdrift.world.joints.record import Record
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
-from kickdrift.world.layout import ORIENTATION, POSITION
 from kickdrift.world.names import Names
-from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, POSE, STARTED_JOINTS, Tables
-
-if TYPE_CHECKING:
-    from kickdrift.world.world import World
+from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, STARTED_JOINTS, Tables
 
 
 class Joints:
@@ -37,7 +31,7 @@ class Joints:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self.names = Names("joint")
-        self.world: ReferenceType[World] | None = None
+        self.world: ReferenceType[Any] | None = None
         self.arranged = False
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two joints would share a handle
 
@@ -61,57 +55,23 @@ class Joints:
         tables = self.tables
         placement, name = within_plane(record.placement(), tables), self.names.checked(record.name)
         row = self._free_row()
-        joint, numbers = tables.array(JOINT)[row], tables.array(JOINT_NUMBERS)[row]
-        generation, self.n_made = self.n_made, self.n_made + 1
-        joint[:], numbers[:] = 0, 0.0
-        joint[[j.JOINT_KIND, j.BODY_A, j.BODY_B, j.GENERATION]] = KINDS.index(type(record)), body_a, body_b, generation
-        joint[[j.LINEAR, j.PRINCIPAL]] = _linear_mode(placement), placement.principal
-        joint[[j.ANGULAR, j.PIVOT]] = _angular_mode(placement)
-        axes = (*placement.linear, *placement.angular)
-        joint[j.LOCKED] = sum(1 << k for k, axis in enumerate(axes) if axis.locked)
-        poses = tables.array(POSE)
-        frame = of_matrix(placement.frame)
-        for body, at, turn, anchor in (
-            (body_a, j.ANCHOR_A, j.FRAME_A, placement.anchor_a),
-            (body_b, j.ANCHOR_B, j.FRAME_B, placement.anchor_b),
-        ):
-            back = poses[body, ORIENTATION : ORIENTATION + 4] * (1.0, -1.0, -1.0, -1.0)
-            numbers[at : at + 3] = turned(back, anchor - poses[body, POSITION : POSITION + 3])
-            numbers[turn : turn + 4] = product(back, frame)
-        numbers[j.LENGTH] = placement.length
-        numbers[[j.BREAKING_FORCE, j.BREAKING_TORQUE]] = record.breaking_force, record.breaking_torque
-        numbers[j.ARM_A : j.ARM_A + 3] = placement.anchor_b - poses[body_a, POSITION : POSITION + 3]
-        numbers[j.ARM_B : j.ARM_B + 3] = placement.anchor_b - poses[body_b, POSITION : POSITION + 3]
-        along = np.eye(3) if joint[j.LINEAR] == j.POINT else placement.frame
-        numbers[j.AXES : j.AXES + 18] = np.concatenate((along.T.ravel(), placement.frame.T.ravel()))
-        if placement.line:
-            numbers[j.JOINT_POSITION + 2] = np.linalg.norm(placement.anchor_b - placement.anchor_a) - placement.length
-        if placement.geared is not None:
-            joint[j.GEARED_JOINTS : j.GEARED_JOINTS + 2] = placement.geared.joints
-            joint[j.GEARED_AXES : j.GEARED_AXES + 2] = placement.geared.axes
-            numbers[j.RATES : j.RATES + 2] = placement.geared.rates
-            numbers[[*range(j.ANCHOR_A, j.ANCHOR_A + 3), *range(j.ANCHOR_B, j.ANCHOR_B + 3)]] = 0.0
-            numbers[j.ARM_A : j.AXES + 18] = 0.0  # a gear has no anchors
-        clear_laws(tables, row)
-        for k, (axis, sign) in enumerate(zip(axes, signs(tables, row), strict=True)):
-            if axis.has_law:
-                seen = axis if sign > 0.0 else axis.reversed()
-                for part in LAW_PARTS:
-                    write_law(tables, row, k, part, getattr(seen, part))
+        write_joint(tables, row, (body_a, body_b), record, placement)
+        tables.array(JOINT)[row, j.GENERATION] = self.n_made
+        self.n_made += 1
         self.arranged = False
         self.names.give(row, name)
         wake_bodies(tables, row)
         return self.handle(row)
 
     @alone
-    def law(self, joint: Joint, axis: int | None, part: LawPart) -> Any:
+    def law(self, joint: Any, axis: int | None, part: LawPart) -> Any:
         """Return the limits, the motor, the drive or the friction of an axis, as in an `Axis`."""
         k = joint.axis(axis)
         found = read_law(self.tables, joint.index, k, part)
         return getattr(Axis(**{part: found}).reversed(), part) if joint.sign(k) < 0.0 else found
 
     @alone
-    def change_law(self, joint: Joint, axis: int | None, part: LawPart, what: Any) -> None:
+    def change_law(self, joint: Any, axis: int | None, part: LawPart, what: Any) -> None:
         """Replace the limits, the motor, the drive or the friction of an axis, given as in an `Axis`, and wake the bodies.
 
         Raises
@@ -240,26 +200,3 @@ class Joints:
         geared &= (joints[:, j.GEARED_JOINTS : j.GEARED_JOINTS + 2] == row).any(axis=1)
         for gear in np.flatnonzero(geared):
             self._remove_row(int(gear))
-
-
-def _linear_mode(placement: Placement) -> int:
-    """Return how positions are measured, a value of LINEAR."""
-    if placement.geared is not None:
-        return j.GEARED
-    if placement.line:
-        return j.LINE
-    return j.POINT if all(axis.locked for axis in placement.linear) else j.FRAME
-
-
-def _angular_mode(placement: Placement) -> tuple[int, int]:
-    """Return how angles are measured, a value of ANGULAR, and the axis that it refers to (PIVOT)."""
-    is_open = [not axis.locked for axis in placement.angular]
-    if sum(is_open) == 0:
-        return j.RIGID, 0
-    if sum(is_open) == 1:
-        return j.HINGE, is_open.index(True)
-    if sum(is_open) == 2:
-        return j.UNIVERSAL, (is_open.index(False) + 1) % 3
-    if placement.cone:
-        return j.SWING_TWIST, 0
-    return (j.VECTOR if any(axis.has_law for axis in placement.angular) else j.LOOSE), 0

@@ -7,14 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, DIMENSION, FIRST_PARTICLE, ROPE
+from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.cloth.tube import tube
 from kickdrift.world.cloth.tuning import WORDS
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC
+from kickdrift.world.shapes.record import Shape
 from kickdrift.world.tables import BODY, CLOTH, CLOTH_NUMBERS, FACE, JOINT, JOINT_NUMBERS, SHAPE
 
 if TYPE_CHECKING:
-    from kickdrift.world.shapes.record import Shape
     from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
@@ -24,7 +25,7 @@ class DrawnShape(NamedTuple):
     """A shape of a body: the row of the body, the shape, and its pose in the body."""
 
     body: int
-    shape: "Shape"
+    shape: Shape
     position: Floats
     orientation: Floats
 
@@ -95,12 +96,16 @@ def appearance(world: "World") -> Appearance:
         for row, placed in sorted(world.shape_rows.shapes.items())
     )
     kinds = world.tables.array(BODY)[:, BODY_KIND].copy()
-    return Appearance(kinds, parts, tuple(_rods(world, kinds)), world.bodies.names.all(), tuple(_cloths(world)))
+    return Appearance(
+        kinds, parts, tuple(_rods(world, kinds)), world.bodies.names.all(), tuple(drawn_cloths(world.cloths))
+    )
 
 
-def _cloths(world: "World") -> list[DrawnCloth]:
-    own, faces, names = world.tables.array(CLOTH), world.tables.array(FACE), world.cloths.names
-    drawn, radii = [], world.tables.array(CLOTH_NUMBERS)[:, CLOTH_RADIUS].tolist()
+def drawn_cloths(cloths: Cloths) -> list[DrawnCloth]:
+    """Return the appearance of the cloths, ropes and soft bodies of a world."""
+    tables, names = cloths.tables, cloths.names
+    own, faces = tables.array(CLOTH), tables.array(FACE)
+    drawn, radii = [], tables.array(CLOTH_NUMBERS)[:, CLOTH_RADIUS].tolist()
     for row, (first, last, begin, end) in enumerate(own[:, FIRST_PARTICLE : FIRST_PARTICLE + 4].tolist()):
         dimension = int(own[row, DIMENSION])
         triangles, radius = faces[begin:end, CORNERS : CORNERS + 3] - first, radii[row] if dimension == ROPE else 0.0

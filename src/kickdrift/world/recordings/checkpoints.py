@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from kickdrift.core.arguments import choice
+from kickdrift.core.arguments import check_checkpoint_every, choice
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.naming import digest
 from kickdrift.engine.checkpoints import Checkpoints
@@ -50,13 +50,8 @@ class Kept(NamedTuple):
         ArgumentError
             For invalid arguments.
         """
-        if self.folder is not None:
-            return Keeper(world, self.folder, self.every, self.keep)
-        if self.every is not None:
-            raise ArgumentError(
-                f"checkpoint_every={self.every!r} is given without checkpoint, a folder for them; give it."
-            )
-        return None
+        check_checkpoint_every(self.folder, self.every)
+        return None if self.folder is None else Keeper(world, self.folder, self.every, self.keep)
 
     def store(self, world: "World", grid: Grid) -> ZarrStore | None:
         """Return the store that rows are written to, or None if they stay in memory.

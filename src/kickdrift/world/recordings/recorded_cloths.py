@@ -1,17 +1,13 @@
 """The columns of a recording that belong to each cloth."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.ranges import rows_of
-from kickdrift.world.recordings.appearance import DrawnCloth, appearance
+from kickdrift.world.cloth.registry import Cloths
+from kickdrift.world.recordings.appearance import DrawnCloth, drawn_cloths
 from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_REST
-
-if TYPE_CHECKING:
-    from kickdrift.world.world import World
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -27,8 +23,8 @@ class RecordedCloths:
         In the order in which they were added, including removed ones.
     """
 
-    def __init__(self, world: "World") -> None:
-        self._world = world
+    def __init__(self, cloths: Cloths) -> None:
+        self._cloths = cloths
         self._drawn: dict[int, DrawnCloth] = {}  # by generation
 
     @property
@@ -39,7 +35,7 @@ class RecordedCloths:
     @property
     def drawn(self) -> list[DrawnCloth]:
         """The cloths, with their present or last known names."""
-        names = self._world.cloths.names
+        names = self._cloths.names
         for row, generation in enumerate(self._generations()):
             if generation in self._drawn:
                 self._drawn[generation] = self._drawn[generation]._replace(name=names.of(row))
@@ -48,7 +44,7 @@ class RecordedCloths:
     @property
     def changed(self) -> bool:
         """Whether a cloth was added, or has more vertices, since `take_over`."""
-        counts = np.diff(self._world.tables.array(CLOTH)[:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]])[:, 0].tolist()
+        counts = np.diff(self._cloths.tables.array(CLOTH)[:, [c.FIRST_PARTICLE, c.LAST_PARTICLE]])[:, 0].tolist()
         known = [self._drawn.get(generation) for generation in self._generations()]
         return any(cloth is None or cloth.last - cloth.first != n for cloth, n in zip(known, counts, strict=True))
 
@@ -57,7 +53,7 @@ class RecordedCloths:
 
         Vertices that were split off were where their originals were.
         """
-        before, looks = dict(self._drawn), appearance(self._world).cloths
+        before, looks = dict(self._drawn), drawn_cloths(self._cloths)
         now = {**before, **dict(zip(self._generations(), looks, strict=True))}
         rows = {generation: row for row, generation in enumerate(self._generations())}
         sources, end = [], 0
@@ -73,10 +69,10 @@ class RecordedCloths:
         columns[:] = np.nan
         for row, generation in enumerate(self._generations()):
             cloth = self._drawn[generation]
-            columns[cloth.first : cloth.last] = rows_of(self._world.tables, row, c.FIRST_PARTICLE, PARTICLE)[:, :3]
+            columns[cloth.first : cloth.last] = rows_of(self._cloths.tables, row, c.FIRST_PARTICLE, PARTICLE)[:, :3]
 
     def _generations(self) -> list[int]:
-        return [int(number) for number in self._world.tables.array(CLOTH)[:, c.CLOTH_GENERATION]]
+        return [int(number) for number in self._cloths.tables.array(CLOTH)[:, c.CLOTH_GENERATION]]
 
     def _source(self, before: DrawnCloth | None, row: int | None, count: int) -> Integers:
         """Return the former columns of the vertices of a cloth, or of the vertices from which they were split."""
@@ -85,7 +81,7 @@ class RecordedCloths:
         known = before.last - before.first
         found = np.arange(before.first, before.first + count)
         if row is not None:
-            parents = rows_of(self._world.tables, row, c.FIRST_PARTICLE, PARTICLE_REST)[known:, c.SPLIT_FROM]
+            parents = rows_of(self._cloths.tables, row, c.FIRST_PARTICLE, PARTICLE_REST)[known:, c.SPLIT_FROM]
             for vertex, parent in enumerate(parents.astype(np.int64).tolist(), start=known):
                 found[vertex] = found[parent]
         return found

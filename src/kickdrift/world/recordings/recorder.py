@@ -55,7 +55,7 @@ class RecordingRows:
     saved_to = ""
 
     def __init__(self, world: "World", room: int, with_contacts: bool = False) -> None:
-        self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world)
+        self._world, self._bodies, self._cloths = world, len(world.position), RecordedCloths(world.cloths)
         self._cloths.take_over()
         self.with_contacts, self._points = with_contacts, 0
         self.count = self.first = 0

@@ -71,6 +71,16 @@ class Uses(NamedTuple):
     many: bool
     cloths: bool
 
+    @property
+    def islands(self) -> bool:
+        """Whether islands are solved directly."""
+        return self.joints or self.direct
+
+    @property
+    def impacts(self) -> bool:
+        """Whether bodies may hit each other within a step."""
+        return self.bounces or self.is_fast
+
 
 class Word(NamedTuple):
     """Stages of a step: before, in each of, and after the substeps."""
@@ -86,40 +96,22 @@ class Word(NamedTuple):
 
 def word(uses: Uses) -> Word:
     """Return the word of a step, in the order in which its stages run."""
-    direct = uses.joints or uses.direct
-    forces = (begin_forces, *uses.forces)
-    substep = (
-        *when(direct and (uses.bounces or uses.is_fast), bounce_islands),
-        *forces,
-        *when(uses.joints, mark_half_kicks),
-        kick,
-        *when(uses.bounces or uses.is_fast, bounce),
-        warm_start,
-        *when(uses.joints, warm_start_joints),
-        solve,
-        *when(uses.sequential, solve_in_turn),
-        *when(direct, solve_islands),
-        *when(uses.planar, flatten),
-        drift,
-        *when(bool(uses.forces), begin_later_forces, *uses.forces, complete_free_kicks),
-        *when(uses.joints, complete_half_kicks),
-        *when(uses.planar and (uses.joints or bool(uses.forces)), flatten),
-        relax,
-        *when(uses.joints, follow_joints),
-        *when(uses.sequential, relax_in_turn),
-        *when(direct, relax_islands),
-        *when(uses.bounces or uses.is_fast, follow_paths),
-        *when(uses.cloths, calm, *uses.winds, find_cloth_contacts, move_cloths),
-    )
+    substep = _substep(uses)
     if uses.threads:
         substep = tuple(THREADED.get(stage, stage) for stage in substep)
-    before = (
+    batches = uses.many and _BY_BATCH.issuperset(substep)
+    return Word(_before(uses, batches), substep, _after(uses))
+
+
+def _before(uses: Uses, batches: bool) -> Stages:
+    """Return the stages that find contacts, and prepare contacts and joints for the substeps."""
+    return (
         *when(uses.sleeps, wake_moved),
         begin,
         *when(uses.sleeps, wake_touched),
         *when(uses.cloths, begin_cloths),
         place_shapes,
-        *forces,  # for the velocities that bodies will have, by which the search enlarges bounds
+        *_forces(uses),  # for the velocities that bodies will have, by which the search enlarges bounds
         find_pairs,
         find_points,
         *when(uses.is_fast, find_impacts),
@@ -129,23 +121,54 @@ def word(uses: Uses) -> Word:
         *when(uses.sleeps and uses.cloths, wake_cloths),
         *when(uses.joints, wake_joints, measure_joints, begin_joints),
         find_heaps,
-        *when(direct, find_nodes),
-        *when(uses.many and _BY_BATCH.issuperset(substep), find_batches),
+        *when(uses.islands, find_nodes),
+        *when(batches, find_batches),
         colour,
         prepare,
-        *when(direct, find_islands),
-        *when(uses.bounces or uses.is_fast, find_bouncing, begin_paths),
+        *when(uses.islands, find_islands),
+        *when(uses.impacts, find_bouncing, begin_paths),
     )
-    after = (
-        *when(uses.bounces or uses.is_fast, find_missed),
+
+
+def _substep(uses: Uses) -> Stages:
+    """Return the stages that move all bodies on by a substep."""
+    return (
+        *when(uses.islands and uses.impacts, bounce_islands),
+        *_forces(uses),
+        *when(uses.joints, mark_half_kicks),
+        kick,
+        *when(uses.impacts, bounce),
+        warm_start,
+        *when(uses.joints, warm_start_joints),
+        solve,
+        *when(uses.sequential, solve_in_turn),
+        *when(uses.islands, solve_islands),
+        *when(uses.planar, flatten),
+        drift,
+        *when(bool(uses.forces), begin_later_forces, *uses.forces, complete_free_kicks),
+        *when(uses.joints, complete_half_kicks),
+        *when(uses.planar and (uses.joints or bool(uses.forces)), flatten),
+        relax,
+        *when(uses.joints, follow_joints),
+        *when(uses.sequential, relax_in_turn),
+        *when(uses.islands, relax_islands),
+        *when(uses.impacts, follow_paths),
+        *when(uses.cloths, calm, *uses.winds, find_cloth_contacts, move_cloths),
+    )
+
+
+def _after(uses: Uses) -> Stages:
+    """Return the stages that look for what the substeps have missed or left unsolved, and end the step."""
+    return (
+        *when(uses.impacts, find_missed),
         *when(not uses.planar, divide_fast_rotation),
         measure_residual,
         ask_again,
-        *when(uses.bounces or uses.is_fast, drop_paths),
+        *when(uses.impacts, drop_paths),
         find_lost,
         store,
         finish,
-        *when(direct, measure_islands),
+        *when(uses.islands, measure_islands),
         *when(uses.joints, note_losses),
         count_unsolved,
         note_touching,
@@ -153,7 +176,10 @@ def word(uses: Uses) -> Word:
         *when(uses.sleeps and uses.cloths, rest_cloths),
         *when(uses.joints, finish_joints),
     )
-    return Word(before, substep, after)
+
+
+def _forces(uses: Uses) -> Stages:
+    return begin_forces, *uses.forces
 
 
 def when(wanted: bool, *stages: Function) -> Stages:
