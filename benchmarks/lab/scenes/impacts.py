@@ -249,6 +249,39 @@ def _tube(members: int = 3) -> Trial:
     )
 
 
+def _rooms(members: int = 20, count: int = 12) -> Trial:
+    """Throw sticks, plates and capsules of aspect 5 to 40 about in rooms with walls of 2 cm, at 5 to 60 m/s and with spin."""
+    scenes, corners = [], 0.6 * np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=3)))
+    for seed in range(members):
+        random = np.random.default_rng(seed)
+        gravity, friction = random.choice([0.0, GRAVITY]), random.uniform(0, 1)
+        builder = Builder(gravity, friction=friction, restitution=random.choice([0.0, 0.5]))
+        for axis in range(3):
+            for side in (-1.01, 1.01):
+                builder.box(2.1 - 2.08 * np.eye(3)[axis], position=side * np.eye(3)[axis], static=True)
+        speed = random.uniform(5, 60)
+        for place in corners[random.permutation(27)[:count]]:
+            length, way = random.uniform(0.1, 0.5), random.normal(size=3)
+            thin = length / random.uniform(5, 40)
+            options = {"position": place, "orientation": random.normal(size=4), "density": 10 ** random.uniform(2, 4)}
+            options["velocity"] = speed * way / np.linalg.norm(way)
+            options["angular_velocity"] = speed * random.choice([0.2, 1.0, 3.0]) * random.normal(size=3)
+            match random.integers(3):
+                case 0:
+                    builder.box((length, thin, thin), **options)
+                case 1:
+                    builder.box((length, length * random.uniform(0.4, 1), thin), **options)
+                case _:
+                    builder.capsule(thin / 2, length - thin, **options)
+        scenes.append(builder.scene())
+
+    def outside(scene: Scene, watched: Watched) -> float:
+        return float(np.abs(watched.poses[:, 6:, :3]).max() - 1.0)
+
+    criteria = (at_most("outside", "m", outside, 0.0),)
+    return Trial(f"slender bodies in {members} rooms with thin walls", tuple(scenes), 1.0, criteria, looks=60)
+
+
 TRIALS = (
     _bullet("box"),
     _bullet("ball"),
@@ -261,4 +294,5 @@ TRIALS = (
     _crowded(),
     _wedged(),
     _tube(),
+    _rooms(),
 )

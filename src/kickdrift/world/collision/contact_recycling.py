@@ -6,7 +6,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
-from kickdrift.world.collision.dispatch import is_round, sort_of
+from kickdrift.world.collision.dispatch import half_width, is_round, sort_of
 from kickdrift.world.collision.narrow_phase import find_manifold, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, has_change, way_on_path
 from kickdrift.world.collision.search_state import TRIES
@@ -24,7 +24,7 @@ from kickdrift.world.contacts.layout import (
     SHAPE_A,
     SHAPE_B,
 )
-from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, RADIUS, RESTITUTION, VELOCITY
+from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, RADIUS, RESTITUTION, VELOCITY
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step.status import NEEDS_TIME_OF_IMPACT, STATUS
@@ -75,7 +75,7 @@ def find_points(t: float, h: float, world: int) -> None:
         if moved + way < manifold[row, RECYCLED] and (apart or moved <= _tolerance(world, a, b, contact[row, POINTS])):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
-        if changes or way > _far(world, a, b):
+        if changes or _is_far(world, row, way):
             contact[row, CONTACT_STATE] |= FAST
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
@@ -83,20 +83,26 @@ def find_points(t: float, h: float, world: int) -> None:
             find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
 
 
-@compiled(inline=True)
-def _far(world: int, a: int, b: int) -> float:
-    """Return the motion in a step, m, up to which the contact points at its start are accurate enough.
+@compiled
+def _is_far(world: int, row: int, way: float) -> bool:
+    """Whether shapes may move by so much, m, that the contact points at the start of the step are not accurate enough.
 
     If round shapes bounce off each other, the error of the normal is the distance that they slide, relative to their size.
     """
-    settings, place = floats(world, SETTINGS), floats(world, PLACE)
+    contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
+    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
     reach = smallest(place[a, RADIUS], place[b, RADIUS])
     if sort_of(world, a) == HALF_SPACE:
-        return math.inf
+        return False
     if max(place[a, RESTITUTION], place[b, RESTITUTION]) > 0.0 and is_round(world, a) and is_round(world, b):
-        return 0.01 * reach
-    far: float = max(settings[0, MARGIN], 0.5 * reach)
-    return far
+        return way > 0.01 * reach
+    if way <= margin:
+        return False
+    # A slender body that moves by its thickness may turn another end to what it touches.
+    for side in range(2):
+        if integers(world, BODY)[contact[row, BODY_A + side], BODY_KIND] == DYNAMIC:
+            reach = min(reach, 2.0 * half_width(world, contact[row, SHAPE_A + side]))
+    return way > 0.5 * reach
 
 
 @compiled(inline=True)

@@ -50,6 +50,13 @@ def extent_of(world: int, shape: int, turn: Quaternion) -> Extent:
     return box
 
 
+@compiled
+def half_width(world: int, shape: int) -> float:
+    """Return half the smallest width of the bounds of a solid shape in its own frame, m."""
+    box = extent_of(world, shape, (1.0, 0.0, 0.0, 0.0))
+    return 0.5 * min(box[3] - box[0], box[4] - box[1], box[5] - box[2])
+
+
 def describe_kinds(tables: Tables) -> None:
     """Write the properties of all kinds, without the addresses of functions."""
     rows = tables.resize(SHAPE_KINDS, len(catalogue.KINDS))

@@ -11,12 +11,12 @@ in the shortest parts causes a warning.
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.bvh import Box, gather
-from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.dispatch import half_width, sort_of
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.path_deviation import TURN, deviation, points_are_stale
+from kickdrift.world.collision.path_deviation import deviation, points_are_stale
 from kickdrift.world.collision.predicted_path import (
     POSITION_ERROR,
+    TURN,
     TURN_ERROR,
     drop_path,
     note_path,
@@ -24,7 +24,7 @@ from kickdrift.world.collision.predicted_path import (
     turn_error,
 )
 from kickdrift.world.collision.search_state import TRIES
-from kickdrift.world.collision.swept_boxes import may_meet, swept_box
+from kickdrift.world.collision.swept_boxes import may_meet, swept_box, thinner
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,
@@ -46,7 +46,6 @@ from kickdrift.world.layout import (
     IS_SENSOR,
     LAST_TREE_NODE,
     LOWER,
-    RADIUS,
     UPPER,
 )
 from kickdrift.world.settings import MARGIN, MISSED_BODY, MISSED_TIME
@@ -69,7 +68,6 @@ from kickdrift.world.tables import (
     CONTACT,
     GEOMETRY,
     MOVERS,
-    PLACE,
     PLANES,
     PREDICTED,
     SCRATCH,
@@ -159,7 +157,7 @@ def _find_body(world: int, off: bool) -> tuple[int, bool]:
     It has come to a shape with which the step had no points of contact or, then the second result is true, beside the points
     of a fast contact or past them: these are valid only where they were expected to touch.
     """
-    contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
+    contact, margin = integers(world, CONTACT), floats(world, SETTINGS)[0, MARGIN]
     missed, aside = -1, False
     for row in range(rows(world, CONTACT)):
         touches, is_fast = contact[row, POINTS] != 0, contact[row, CONTACT_STATE] & FAST != 0
@@ -170,8 +168,8 @@ def _find_body(world: int, off: bool) -> tuple[int, bool]:
         if touches:
             if not points_are_stale(world, row):
                 continue
-        # A body less deep in another shape than half of its size is pushed out again.
-        elif missed >= 0 or of_a + of_b <= max(margin, 0.5 * smallest(place[a, RADIUS], place[b, RADIUS])):
+        # A body less deep in another shape than a quarter of the thinner one is pushed out again.
+        elif missed >= 0 or of_a + of_b <= margin or of_a + of_b <= 0.5 * thinner(world, a, b):
             continue
         if may_meet(world, a, contact[row, TRIANGLE_INDEX], b):
             missed, aside = contact[row, BODY_A if of_a > of_b else BODY_B], touches
@@ -182,9 +180,8 @@ def _find_body(world: int, off: bool) -> tuple[int, bool]:
     movers, bounds = integers(world, MOVERS), floats(world, BOUNDS)
     for k in range(rows(world, MOVERS)):
         shape = movers[k, 0]
-        if integers(world, SHAPE)[shape, IS_SENSOR] != 0 or deviation(world, shape) <= max(
-            margin, 0.5 * place[shape, RADIUS]
-        ):
+        way = deviation(world, shape)
+        if integers(world, SHAPE)[shape, IS_SENSOR] != 0 or way <= margin or way <= 0.5 * half_width(world, shape):
             continue
         box, known = swept_box(world, shape, 0.0), True
         for j in range(3):

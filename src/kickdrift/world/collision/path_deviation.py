@@ -7,7 +7,7 @@ from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus
 from kickdrift.world.collision.body_acceleration import reach
 from kickdrift.world.collision.dispatch import extent_of, sort_of
 from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.predicted_path import POSITION_ERROR, TURN_ERROR, end_error
+from kickdrift.world.collision.predicted_path import POSITION_ERROR, TURN, TURN_ERROR, end_error
 from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, NORMAL, ON_A, ON_B, POINT, SHAPE_A, SHAPE_B
@@ -15,7 +15,6 @@ from kickdrift.world.layout import BODY_ROW, PLACE_POSITION, PLACED_ORIENTATION,
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, PLACED, PREDICTED, SHAPE, floats, integers
 
-TURN = 0.1  # rad: a shape that has turned by more than was expected has other points of contact
 # Of the radius around the smaller of two shapes: a contact farther beside its points needs a new normal. With 0.25, none of 157
 # balls at 8 m/s comes 0.1 radii into another at 60 steps per second, and 2 pairs a step did without.
 _ASIDE = 0.25

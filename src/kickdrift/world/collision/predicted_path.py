@@ -6,15 +6,31 @@ two parts: free flight from the start and, from the time on at which an impact c
 with the position and velocity of that attempt.
 """
 
+import math
+
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, dot, exponential, length, minus, plus, product, times
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, exponential, length, minus, plus, product, times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
-from kickdrift.world.columns import column, quaternion_at, vector_at
-from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, ORIENTATION, POSITION, VELOCITY
+from kickdrift.world.columns import column, quaternion_at, symmetric_at, vector_at
+from kickdrift.world.free_rotation import fast_rotation, turned_product
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    AWAKE,
+    BODY_INERTIA,
+    BODY_KIND,
+    DYNAMIC,
+    INERTIA_KIND,
+    LINK_COUNT,
+    ORIENTATION,
+    POSITION,
+    TUMBLES,
+    VELOCITY,
+)
 from kickdrift.world.settings import STEP
 from kickdrift.world.tables import (
     BODY,
     DELTA_POSE,
+    INERTIA,
     MOTION,
     POSE,
     PREDICTED,
@@ -39,6 +55,8 @@ WIDE_BOUNDS = column(PREDICTED)  # 1.0 in the next step: fat bounds contain the 
 # Columns of SWEPT: the box around the positions of a body at impacts and at the ends of substeps
 LEAST, MOST = column(SWEPT, 3, "m"), column(SWEPT, 3, "m")
 
+TURN = 0.1  # rad: a shape that has turned by more than was expected has other points of contact
+
 
 @compiled
 def path(world: int, body: int, when: float) -> tuple[Vector, Quaternion]:
@@ -52,7 +70,22 @@ def path(world: int, body: int, when: float) -> tuple[Vector, Quaternion]:
         at, q = vector_at(pose, body, POSITION), quaternion_at(pose, body, ORIENTATION)
         v, w, since = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY), when
     at = plus(plus(at, times(since, v)), times(0.5 * since * since, acceleration(world, body)))
-    return at, product(exponential(times(since, w)), q)
+    return at, _turned_freely(world, body, q, w, since)
+
+
+@compiled
+def _turned_freely(world: int, body: int, q: Quaternion, w: Vector, time: float) -> Quaternion:
+    """Return the orientation of a body in free flight after a time, or before it if that is negative.
+
+    A plate that tumbles is 30 degrees off a rotation about one axis after it has turned by two radians.
+    """
+    inertia, own = floats(world, INERTIA), integers(world, BODY)
+    tumbles = inertia[body, INERTIA_KIND] == TUMBLES and own[body, BODY_KIND] == DYNAMIC
+    if not tumbles or own[body, LINK_COUNT] != 0:
+        return product(exponential(times(time, w)), q)
+    moments, turn = symmetric_at(inertia, body, BODY_INERTIA), w if time >= 0.0 else times(-1.0, w)
+    before, part, mean = fast_rotation(abs(time), q, moments, turned_product(q, moments, turn), turn)
+    return product(exponential(times(part, mean)), before)
 
 
 @compiled
@@ -199,12 +232,25 @@ def end_error(world: int, body: int) -> Vector:
 
 @compiled
 def turn_error(world: int, h: float, body: int) -> float:
-    """Return by how much a body has turned farther than was expected, rad."""
-    turn = length(vector_at(floats(world, DELTA_POSE), body, 3))
-    most = length(vector_at(floats(world, STARTED_MOTION), body, 3)) + h * length(angular_acceleration(world, body))
+    """Return by how much a body has turned farther than was expected, or about another axis, rad."""
+    turn, torque = length(vector_at(floats(world, DELTA_POSE), body, 3)), length(angular_acceleration(world, body))
+    start = vector_at(floats(world, STARTED_MOTION), body, 3)
+    most = length(start) + h * torque
     if has_change(world, body):
         most = max(most, length(vector_at(floats(world, PREDICTED), body, END_MOTION + 3)))
-    return max(turn - h * most, 0.0)
+    excess = max(turn - h * most, 0.0)
+    # Joints turn bodies about changing axes all the time.
+    if turn + h * most <= TURN or integers(world, BODY)[body, LINK_COUNT] != 0:
+        return excess
+    if has_change(world, body):
+        expected = quaternion_at(floats(world, PREDICTED), body, END_POSE + 3)
+    else:
+        before = quaternion_at(floats(world, STARTED_POSE), body, ORIENTATION)
+        expected = _turned_freely(world, body, before, start, h)
+    off = product(quaternion_at(floats(world, POSE), body, ORIENTATION), conjugate(expected))
+    angle = 2.0 * math.asin(min(length((off[1], off[2], off[3])), 1.0)) - h * h * torque
+    # Smaller differences may be those between one long step and several short ones.
+    return max(excess, angle if angle > 0.1 * TURN else 0.0)
 
 
 @compiled(inline=True)

@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, minus
 from kickdrift.world.collision.aabb import box_around, box_in_frame, boxes_overlap, reaches_under
 from kickdrift.world.collision.bvh import Box
-from kickdrift.world.collision.dispatch import extent_of, sort_of
+from kickdrift.world.collision.dispatch import extent_of, half_width, sort_of
 from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import LEAST, MOST, POSITION_ERROR
 from kickdrift.world.collision.shape_poses import shape_pose
@@ -19,11 +19,11 @@ from kickdrift.world.layout import (
     RADIUS,
     STATIC,
 )
-from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.shapes.record import HALF_SPACE, SOLID, SURFACE
 from kickdrift.world.shapes.triangle import triangle_box
 from kickdrift.world.tables import BODY, GEOMETRY, PLACE, PLACED, POSE, PREDICTED, SHAPE, SWEPT, flat, floats, integers
 
-# Of the radius around the smaller of two shapes: the depth up to which it is pushed out of the other to where it came from.
+# Of half the width of the thinner of two shapes: the depth up to which it is pushed out of the other to where it came from.
 _PUSHED_OUT = 0.25
 
 
@@ -45,8 +45,18 @@ def may_meet(world: int, a: int, part: int, b: int) -> bool:
 @compiled(inline=True)
 def _shallow(world: int, a: int, b: int) -> float:
     """Return the depth up to which a shape is pushed out of another one to where it came from, m."""
-    place = floats(world, PLACE)
-    return _PUSHED_OUT * smallest(place[a, RADIUS], place[b, RADIUS])
+    return _PUSHED_OUT * thinner(world, a, b)
+
+
+@compiled
+def thinner(world: int, a: int, b: int) -> float:
+    """Return half the smallest width of the thinner of two shapes, m, ignoring planes and meshes."""
+    return smallest(_width_of_solid(world, a), _width_of_solid(world, b))
+
+
+@compiled(inline=True)
+def _width_of_solid(world: int, shape: int) -> float:
+    return half_width(world, shape) if sort_of(world, shape) == SOLID else 0.0
 
 
 @compiled
