@@ -343,6 +343,9 @@ def blow(t, h, world):
 '''
 
 
+GUSTING = "    uses = uses._replace(forces=(*uses.forces, blow))\n"
+
+
 @pytest.mark.parametrize("house", ["stage"], indirect=True)
 def test_a_new_stage(house):
     house.add("world/wind.py", STAGE)
@@ -350,7 +353,7 @@ def test_a_new_stage(house):
     gusts = f"GUSTS = Table({place}, 1, whole=True)  # one row: see `kickdrift.world.wind`\n"
     house.line("world/tables.py", "\n_LAST = ", gusts)
     house.line("world/step/stage_order.py", "\nStages = tuple", "from kickdrift.world.wind import blow\n")
-    house.line("world/step/stage_order.py", "    substep = (\n", "    forces = (*forces, blow)\n")
+    house.line("world/step/stage_order.py", "    return begin_forces, *uses.forces\n", GUSTING)
     code = """
 from kickdrift.world.tables import GUSTS
 world = kd.World(gravity=(0.0, 0.0, 0.0))

@@ -276,7 +276,6 @@ def net(rows, columns):
     return world
 
 
-@pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")  # energy is lost, which is said
 @pytest.mark.parametrize(("kind", "substeps"), [("fixed", 4), ("fixed", 8), ("hinge", 4)])
 def test_rigid_nets_whose_joints_are_solved_in_turn_gain_no_energy(kind, substeps):
     random, world = np.random.default_rng(0), World(gravity=(0, 0, 0), substeps=substeps)
@@ -303,6 +302,7 @@ def test_rigid_nets_whose_joints_are_solved_in_turn_gain_no_energy(kind, substep
     assert 0.2 * energy < world.energy().total, "the motion of the whole stays"
 
 
+@pytest.mark.filterwarnings("ignore::kickdrift.UnsolvedWarning")  # energy is lost, which is said
 def test_joints_solved_in_turn_keep_momentum_and_angular_momentum():
     world = net(10, 10)
     assert "solve-in-turn" in str(world.word)

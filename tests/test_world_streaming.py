@@ -44,7 +44,7 @@ def test_what_goes_to_disk_is_what_would_be_kept(others, tmp_path):
     assert np.array_equal(streamed.to_xarray().orientation, whole.orientation)
     assert streamed.message == whole.message
     assert f"all states are in {streamed.saved_to!r}" in streamed.report()
-    with pytest.raises(kd.KickdriftError, match=r"rows are in .*run\.zarr"):
+    with pytest.raises(kd.KickdriftError, match=r"rows in .*run\.zarr"):
         streamed(0.1)
 
 

@@ -68,7 +68,8 @@ class Recording(Solution):
         KickdriftError
             Always; it says what to do instead.
         """
-        raise KickdriftError("the states of a world are known at its steps alone; interpolate between recording.t.")
+        where = f"the rows in {self.saved_to!r}" if self.saved_to else "recording.t"
+        raise KickdriftError(f"the states of a world are known at its steps alone; interpolate between {where}.")
 
     def continue_to(self, t: float) -> Solution:
         """Refuse, since only the world can be continued.
