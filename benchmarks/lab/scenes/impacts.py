@@ -218,7 +218,7 @@ def _wedged(radius: float = 0.05, gap: float = 0.1) -> Trial:
     return Trial("4 balls that press a light one to a wall, e = 0", tuple(scenes), 0.2, criteria, looks=12)
 
 
-def _tube(members: int = 3) -> Trial:
+def _tube(members: int = 12) -> Trial:
     """Two free boxes of 10 kg to a ton fly about in a tube that is closed, with balls of 0.1 to 10 g between them and its ends.
 
     A ball in a closing gap is hit without end, the faster the narrower it is, and e takes the energy; it stays in the tube.
