@@ -200,6 +200,20 @@ def test_varied_steps_that_an_event_ended_go_on_to_their_end():
         on.return_to(10.0).continue_to(5.0)
 
 
+def test_an_event_in_the_last_step_does_not_end_the_longer_run_again():
+    """With another end, the last step is another one, and the zero in it moves by the error of the step."""
+
+    def crosses(x):
+        return x
+
+    crosses.terminal = True
+    options = {"rtol": 1e-5, "method": "dop853", "events": crosses}
+    for after in np.geomspace(1e-4, 0.3, 60):  # the zero is at 1.8252
+        stopped = kd.solve(lambda x: -math.sin(x), (0.0, 1.82525 + after), 1.5, 0.0, **options)
+        assert stopped.status is kd.Outcome.STOPPED
+        assert stopped.continue_to(3.0).status is kd.Outcome.COMPLETED, after
+
+
 def forced(t, x):
     return -x - x**3 + math.cos(2 * t)
 

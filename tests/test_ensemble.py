@@ -609,13 +609,13 @@ def test_what_cannot_be_is_said_before_the_run(changes, sentence):
         kd.solve_ensemble(given.pop("problem"), SPAN, given.pop("x0"), given.pop("v0"), **given)
 
 
-def test_members_that_are_not_there_are_said_to_be():
+def test_members_that_are_not_there_are_said_not_to_be():
     runs = kd.solve_ensemble(kd.systems.pendulum(), (0.0, 1.0), [0.1, 0.2], step=0.1)
     assert runs[-1].x[0] == 0.2
     for i in (2, -3):
         with pytest.raises(IndexError, match=rf"no member {i}: they are 0 to 1"):
             runs[i]
-    with pytest.raises(ArgumentError, match="number of one member"):
+    with pytest.raises(ArgumentError, match="is not a member; give the number of one"):
         runs[0:2]
 
 

@@ -133,6 +133,10 @@ def test_a_scene_that_loses_a_body_is_a_run_that_failed(folder, monkeypatch):
         ),
         (("run", "kepler", "--film"), "--film applies to scenes, but 'kepler' is not one"),
         (("run", "kepler", "--contacts"), "--contacts applies to scenes, but 'kepler' is not one"),
+        (
+            ("run", "pyramid", "--contacts", "--save-to", "rows"),
+            "--contacts keeps points in memory, and --save-to='rows'",
+        ),
         (("run", "pyramid", "--years", "1"), "--years='1' applies to systems"),
         (("run", "pyramid", "--bodies", "Sun"), "--bodies='Sun' applies to"),
         (("run", "pyramid", "--duration", "-1"), "--duration='-1' must be positive"),

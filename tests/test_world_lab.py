@@ -24,7 +24,7 @@ NOT_YET = {
     "balls of grams between heavy boxes in 12 closed tubes": "outside 0.013 m",
     "8 balls that press a light one on a joint to a wall": "part of its speed left 0.58",
     "coin of 24 corners": "flat after 0.3333 s",
-    "joint grid of 10 x 10": "energy off 0.16; joints 17 mm apart",
+    "joint grid of 10 x 10": "energy off 0.25; joints 24 mm apart",
     "top at 1000 rad/s": "energy off 0.98",
 }
 
@@ -42,7 +42,7 @@ def test_a_scene_holds(trial):
 
 @pytest.mark.parametrize("trial", [_marked(trial) for trial in TRIALS if trial.quick])
 def test_a_scene_in_disguise_holds(trial):
-    seed = len(trial.name) + 120 * int(trial.duration)
+    seed = len(trial.name) + 120 * int(trial.duration)  # any number that more scenes do not change
     result = run(trial, Contestant("kickdrift", partial(Disguised, seed=seed), OURS.step))
     assert result.holds, "; ".join(criterion.said(value) for criterion, value in result.findings)
 

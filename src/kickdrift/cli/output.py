@@ -37,7 +37,7 @@ def say(sentence: str) -> None:
 
 
 def exit_code(status: Outcome, message: str) -> int:
-    """Print how a run that did not do all that was asked ended, and return the exit code of the outcome."""
+    """Return the exit code of a run; print its message if it did not succeed."""
     if status.success:
         return DONE
     say(message)

@@ -68,6 +68,10 @@ def run_scene(
     A run that ends early is still written and reported. One with a folder for checkpoints resumes from the last, and one
     whose rows go to disk writes nothing else.
     """
+    if contacts and save_to is not None:
+        raise ArgumentError(
+            f"--contacts keeps points in memory, and --save-to={str(save_to)!r} has no room for them; leave one of them out."
+        )
     if save_to is None:
         prepare_folder(folder)
     world = SCENES[plan.name].make()

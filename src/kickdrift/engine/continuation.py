@@ -17,6 +17,8 @@ from kickdrift.engine.solution import Solution
 from kickdrift.engine.standing import Standing
 from kickdrift.engine.task import Journey, Task
 
+_SAME_ZERO = 1e-3  # of the first step, by which other last steps may move the zero of an event
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Continuation:
@@ -50,8 +52,8 @@ class Continuation:
         if isinstance(grid, Grid) or grid is self.task.grid:
             return carry_out(Journey(task, self.standing))
         journey = Journey(task)  # from the start: the last steps of a run, where they vary, depend on its end
-        if journey.watch is not None:
-            journey.watch.beyond = self._stopped
+        if journey.watch is not None and self._stopped is not None:
+            journey.watch.beyond = self._stopped + _SAME_ZERO * grid.step
         return carry_out(journey)
 
     @property

@@ -22,10 +22,9 @@ def values_of(quantity: Quantity, system: System, t: Floats, x: Floats, v: Float
     except Exception:  # compiled code does not tell at which state
         values = np.full(t.size, np.nan)
         for row in range(t.size):
+            at = slice(row, row + 1)
             try:
-                values[row] = evaluate_quantity(quantity, system, t[row : row + 1], x[row : row + 1], v[row : row + 1])[
-                    0
-                ]
+                values[at] = evaluate_quantity(quantity, system, t[at], x[at], v[at])
             except Exception as error:
                 raised[row] = error
                 break

@@ -145,7 +145,7 @@ class Solution(Motion, Presented):
         Raises
         ------
         ArgumentError
-            For times outside of the run, and for those more than a step after a row where steps vary.
+            For times outside the run and, where steps vary, for times more than a step after a row.
         KickdriftError
             If the solution does not know its equations: it was loaded from a file, or comes from another process; and for
             Langevin dynamics, of whose path a step knows its ends alone.
@@ -166,11 +166,12 @@ class Solution(Motion, Presented):
         return self.dense(t)
 
     def continue_to(self, t: float) -> Solution:
-        """Continue to another end, with the bits of an uninterrupted run.
+        """Continue to another end: with equal steps, with the bits of an uninterrupted run.
 
         It continues from the last state of the loop, at the same step, whether the run reached its end, was interrupted, or
         was ended by an event. `terminal` events count afresh from there. Where steps vary, or are cut by impacts or switches,
-        the last ones depend on the end of the run: towards a later end all of them are done again, from the start.
+        the last ones depend on the end of the run, so a later end means repeating the run from its start, with the same first
+        step.
 
         Parameters
         ----------
@@ -186,7 +187,8 @@ class Solution(Motion, Presented):
         Raises
         ------
         ArgumentError
-            For another end than that.
+            For an end that is not beyond the present one or, with equal steps, not a whole number of steps from the start;
+            and for a solution that `return_to` has returned.
         KickdriftError
             If the solution was loaded from a file or comes from another process, without its equations.
 

@@ -115,9 +115,19 @@ class EnsembleSolution(Motion):
         return (self[i] for i in range(len(self)))
 
     def __getitem__(self, i: int) -> Solution:
-        """Return the solution of a member: the rows that it reached, and its end."""
+        """Return the solution of a member: the rows that it reached, and its end.
+
+        Raises
+        ------
+        ArgumentError
+            For a slice.
+        IndexError
+            If there is no such member.
+        """
         if isinstance(i, slice):
-            raise ArgumentError("give the number of one member; of several, x[first:last] has the states.")
+            raise ArgumentError(
+                f"{i!r} is not a member; give the number of one. The states of several are in x[first:last]."
+            )
         if not -len(self) <= i < len(self):
             raise IndexError(f"there is no member {i}: they are 0 to {len(self) - 1}.")
         i = range(len(self))[i]

@@ -27,7 +27,7 @@ _PART, _PARTS = 0.5, 10_000
 # Squares of the relative increment below which the exact derivative is used, and of the largest turn for it.
 _NEAR, _LARGE = 1e-4, 2.0
 _SLOW = 1e-16  # square of the turn in a substep, rad^2, above which terms of second order exceed rounding
-_FAST = 1.0  # likewise, above which bodies rotate in parts
+_FAST = 1.0  # likewise, above which free bodies rotate in parts
 _MOMENTS = 1e4  # largest ratio of moments of inertia allowed for: that of a rod a hundred times as long as it is thick
 
 

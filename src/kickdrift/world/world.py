@@ -271,7 +271,7 @@ class World(
         Raises
         ------
         ArgumentError
-            For a step that is not positive and finite, and a count that is not such a number.
+            For a step that is not positive and finite, and a count that is negative or not a whole number.
 
         Examples
         --------

@@ -22,7 +22,7 @@ _OF_MOVABLE = (
 
 
 class AddsSurfaces(AddsBodies):
-    """The methods of a world that add what bodies stand on."""
+    """The methods of a world that add surfaces for bodies to stand on."""
 
     @shows_parameters_of(AddsBodies.add_body, ("position", "orientation", *_OF_MOVABLE))
     def add_plane(
@@ -46,7 +46,7 @@ class AddsSurfaces(AddsBodies):
         Raises
         ------
         ArgumentError
-            For a normal of length zero, and as `add_body`.
+            For a normal of length zero; and as `add_body`.
 
         Examples
         --------
@@ -82,7 +82,7 @@ class AddsSurfaces(AddsBodies):
         Raises
         ------
         ArgumentError
-            For vertices that are not finite, triangles without area, neighbours that face opposite sides, and as `add_body`.
+            For vertices that are not finite, triangles without area, neighbours that face opposite sides; and as `add_body`.
 
         Examples
         --------
@@ -114,7 +114,7 @@ class AddsSurfaces(AddsBodies):
         Raises
         ------
         ArgumentError
-            For heights that are not finite, fewer than two along x or y, and a spacing that is not positive, and as `add_body`.
+            For heights that are not finite, fewer than two along x or y, or a spacing that is not positive; and as `add_body`.
 
         Examples
         --------

@@ -10,7 +10,7 @@ a = 2 z + h w and r = h w a, the error decays at the rate w / a, the impulse of 
 
 Grids of 10 x 10, 15 x 15 and 20 x 20 balls take 1.0, 1.3 and 2.6 ms a step, and 8, 96 and 377 ms directly; minimum degree
 regardless of the tree would save a third, half and three fifths of the latter. The smallest keeps its energy in 5 s within
-0.3 % directly, and loses 16 % in turn, and 10 % in turn with 64 substeps; the others lose 14 % directly and 4 % in turn, as
+0.3 % directly, and loses 24 % in turn, and 10 % in turn with 64 substeps; the others lose 14 % directly and 4 % in turn, as
 nets are thrown about in singular poses.
 """
 

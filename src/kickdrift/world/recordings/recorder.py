@@ -106,10 +106,11 @@ class RecordingRows:
         """
         if self._cloths.changed:
             self._rearrange(self._cloths.take_over())
-        self._points = kept["contact points"].shape[1]
+        self._points = int(np.isfinite(kept["contact points"][:, :, 0]).sum(axis=1).max(initial=0))
         self._grow(self._bodies)
         for name, own in self._rows.items():
-            own[tuple(map(slice, kept[name].shape))] = kept[name]
+            values = kept[name][:, : self._points] if name in _OF_CONTACTS else kept[name]
+            own[tuple(map(slice, values.shape))] = values
         self.count = self.first + len(kept["t"])
 
     def begin(self) -> None:
