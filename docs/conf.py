@@ -6,6 +6,7 @@ not there are warnings.
 
 import os
 import sys
+import warnings
 from importlib.resources import files
 from pathlib import Path
 
@@ -17,6 +18,7 @@ import kickdrift  # noqa: E402
 from kickdrift.engine import announcing  # noqa: E402
 
 announcing._print = lambda sentence: None  # what the builder's machine compiles is no part of an example
+warnings.simplefilter("error", kickdrift.UnsolvedWarning)  # the examples of the gallery show worlds that are solved
 
 project = "kickdrift"
 author = "The kickdrift maintainers"

@@ -11,7 +11,7 @@ import numpy as np
 
 import kickdrift as kd
 
-world = kd.World(substeps=8)
+world = kd.World(substeps=10)
 world.add_plane(friction=0.5)
 top, lean, links = np.array([0.0, 0.0, 10.6]), np.radians(70), 20
 along = np.array([-np.sin(lean), 0.0, -np.cos(lean)])
