@@ -20,7 +20,7 @@ class Fit:
     Parameters
     ----------
     camera : viser.CameraHandle
-        At the place for a page that is at least as wide as high, or where the page had it before that was sent.
+        At the place for a page at least as wide as high, or where the page itself first had it.
     centre : (3,) array
         Of the ball that it sees.
     radius : float
@@ -40,6 +40,6 @@ class Fit:
             self._camera.position, self._camera.look_at = self._places[-1], self._centre
 
     def _moved(self) -> bool:
-        """Whether it is at none of the places where it was put; what a page sends may be older than the last of them."""
+        """Whether the user has moved the camera; a page may still send one of the earlier places that it was given."""
         away = np.linalg.norm(np.array(self._camera.position) - self._places, axis=1).min()
         return bool(away > _SAME * np.linalg.norm(self._places[1] - self._centre))
