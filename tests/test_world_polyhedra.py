@@ -367,3 +367,15 @@ def test_depth_agrees_with_mujoco():
         if len(gaps):
             assert gaps.min() == pytest.approx(theirs, abs=0.06 * abs(theirs) + 0.003)
             compared += 1
+
+
+@pytest.mark.parametrize("floor", [None, Box((4, 4, 1)), Hull(SIGNS * (2, 2, 0.5))])
+def test_the_corner_on_which_a_rocking_body_lands_next_is_a_contact_point(floor):
+    tip = (0.6, 0.0, 0.03)  # beside the triangle below, whose neighbour on this side rises by 0.05 rad
+    body = Hull([(0, -0.5, 0), (0, 0.5, 0), (-0.5, 0, 0), tip, (0, 0, 1)])
+    _, _, on_b, _, _ = collide(floor, body, (0.0, 0.0, 0.0 if floor is None else 0.5), UPRIGHT, margin=0.1)
+    assert len(on_b) == 4
+    assert np.abs(on_b[:, 0] - 0.6).min() < 1e-12
+    steep = Hull([(0, -0.5, 0), (0, 0.5, 0), (-0.5, 0, 0), (0.6, 0.0, 0.09), (0, 0, 1)])  # 0.15 rad
+    _, _, on_b, _, _ = collide(floor, steep, (0.0, 0.0, 0.0 if floor is None else 0.5), UPRIGHT, margin=0.1)
+    assert len(on_b) == 3

@@ -78,8 +78,9 @@ class Builder:
     def hull(self, points: ArrayLike, **options: Any) -> int:
         """Add the hull of points that turn with their own axes, which have to be those of its inertia."""
         given = np.asarray(points, dtype=float)
-        volume, centre, moments = _weighed(given)
-        return self._add("hull", (), volume, moments / volume, points=given - centre, shift=centre, **options)
+        volume, centre, second = moments_of(given)
+        gyration = (np.trace(second) - np.diag(second)) / volume
+        return self._add("hull", (), volume, gyration, points=given - centre, shift=centre, **options)
 
     def mesh(self, points: ArrayLike, faces: ArrayLike, **options: Any) -> int:
         """Add triangles, which never move."""
@@ -127,8 +128,8 @@ class Builder:
         self._loads.append(Load(body, np.asarray(force, dtype=float), begin, end))
 
 
-def _weighed(points: Floats) -> tuple[float, Floats, Floats]:
-    """Volume, centre and moments of inertia of a hull of density one, about the axes of its points."""
+def moments_of(points: Floats) -> tuple[float, Floats, Floats]:
+    """Return the volume of a hull, its centre, and the integral of the products of coordinates relative to it, (3, 3)."""
     hull = ConvexHull(points)
     middle = points.mean(axis=0)
     corners = points[hull.simplices] - middle
@@ -137,7 +138,7 @@ def _weighed(points: Floats) -> tuple[float, Floats, Floats]:
     centre = volumes @ sums / (4 * volume)
     outer = np.einsum("ni,nj->nij", sums, sums) + np.einsum("nki,nkj->nij", corners, corners)
     second = np.einsum("n,nij->ij", volumes, outer) / 20 - volume * np.outer(centre, centre)
-    return float(volume), middle + centre, np.trace(second) - np.diag(second)
+    return float(volume), middle + centre, second
 
 
-__all__ = ["GRAVITY", "GROUND", "Builder"]
+__all__ = ["GRAVITY", "GROUND", "Builder", "moments_of"]

@@ -11,6 +11,7 @@ from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.manifold_reduction import CANDIDATE, choose, put_candidate, put_manifold
 from kickdrift.world.collision.polyhedra_faces import CANDIDATES, PLACED, incident_face, place_polyhedron
 from kickdrift.world.collision.shape_frames import set_frame
+from kickdrift.world.collision.vertex_beside import add_to_chosen, vertex_beside
 from kickdrift.world.shapes.polyhedron import THICKNESS, loop, loop_vertex, pointer_to, vertex
 
 _UP: Vector = (0.0, 0.0, 1.0)
@@ -43,7 +44,8 @@ def plane_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     hull = pointer_to(b)
     set_frame(frame, pose)
     place_polyhedron(seen, hull, frame)
-    begin, end = loop(hull, incident_face(hull, seen, _UP))
+    face = incident_face(hull, seen, _UP)
+    begin, end = loop(hull, face)
     count = 0
     for k in range(begin, end):
         number = loop_vertex(hull, k)
@@ -51,6 +53,10 @@ def plane_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
         if corner[2] <= margin:
             put_candidate(candidates, CANDIDATE * count, corner, corner[2], number)
             count += 1
-    count = choose(candidates, count, _UP, tolerance_of(margin, hull[THICKNESS]), chosen)
-    put_manifold(manifold, candidates, chosen, count, _UP, frame, False)
-    return count
+    kept = choose(candidates, count, _UP, tolerance_of(margin, hull[THICKNESS]), chosen)
+    beside, gap = vertex_beside(hull, seen, face, hull, seen, -1, _UP, 0.0)
+    if gap <= margin:
+        put_candidate(candidates, CANDIDATE * count, vertex(seen, beside), gap, beside)
+        kept = add_to_chosen(candidates, count, chosen, kept)
+    put_manifold(manifold, candidates, chosen, kept, _UP, frame, False)
+    return kept

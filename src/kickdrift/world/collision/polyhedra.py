@@ -10,7 +10,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
 from kickdrift.world.collision.face_preference import SHARE_OFF, SLACK, tolerance_of
-from kickdrift.world.collision.manifold_reduction import choose, put_manifold
+from kickdrift.world.collision.manifold_reduction import CANDIDATE, choose, put_candidate, put_manifold
 from kickdrift.world.collision.polyhedra_edges import (
     EDGE,
     count_below,
@@ -28,7 +28,8 @@ from kickdrift.world.collision.polyhedra_faces import (
     separation_of_faces,
 )
 from kickdrift.world.collision.shape_frames import set_frame
-from kickdrift.world.shapes.polyhedron import MOST_EDGES, PUSHING, THICKNESS, plane, pointer_to
+from kickdrift.world.collision.vertex_beside import add_to_chosen, vertex_beside
+from kickdrift.world.shapes.polyhedron import MOST_EDGES, MOST_VERTICES, PUSHING, THICKNESS, plane, pointer_to, vertex
 
 _EDGES = EDGE * MOST_EDGES
 
@@ -131,17 +132,24 @@ def touching(
         own, own_seen, face, other, other_seen = (b, b_seen, face_b, a, a) if by_b else (a, a, face_a, b, b_seen)
         if face < 0 or (attempt < 2 and (gap_b if by_b else gap_a) < gap - off):
             continue
-        normal, _ = plane(own_seen, face)
+        normal, offset = plane(own_seen, face)
         met = incident_face(other, other_seen, normal)
         count, depth = clipped_face(
             own, own_seen, face, other, other_seen, met, by_b, margin, SLACK * tolerance, candidates
         )
-        if count == 0 or depth < least:
+        beside, height = vertex_beside(other, other_seen, met, own, own_seen, face, normal, offset)
+        if count == 0:
+            depth = height
+        if depth > margin or depth < least:
             continue
         if attempt >= 2 or abs(depth - gap) <= off:
-            count = choose(candidates, count, normal, tolerance, chosen)
-            put_manifold(manifold, candidates, chosen, count, normal, frame, by_b)
-            return count
+            kept = choose(candidates, count, normal, tolerance, chosen)
+            if height <= margin:
+                ids = beside + (MOST_VERTICES if by_b else 0)
+                put_candidate(candidates, CANDIDATE * count, vertex(other_seen, beside), height, ids)
+                kept = add_to_chosen(candidates, count, chosen, kept)
+            put_manifold(manifold, candidates, chosen, kept, normal, frame, by_b)
+            return kept
         nearest = min(nearest, depth)
     return 0
 
