@@ -14,7 +14,7 @@ from kickdrift.world.contacts.contact_solver_simd import KERNEL
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.contacts.transpose import gather_rows
 from kickdrift.world.layout import RESIDUAL_SIZE
-from kickdrift.world.settings import GRAVITY, RESIDUAL
+from kickdrift.world.settings import GRAVITY, RESIDUAL, SLOP
 from kickdrift.world.tables import (
     BODY,
     COLOURS,
@@ -33,8 +33,9 @@ _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
 # Residuals above _NOTED times the velocity that gravity and forces add in a step are noted, and above _FAR times that they are
-# far too large.
-_NOTED, _FAR = 0.01, 30.0
+# far too large. Without gravity and forces that velocity is one that lets bodies sink by _SUNK of the slop in a step: about
+# that of gravity at 1/60 s.
+_NOTED, _FAR, _SUNK = 0.01, 30.0, 0.5
 
 # Bits of RESIDUAL_SIZE: in this step the residual of a body was noted; was far too large; or the body has contacts that are
 # solved directly.
@@ -51,6 +52,7 @@ def measure_residual(t: float, h: float, world: int) -> None:
     scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
     most, n = floats(world, SETTINGS)[0, RESIDUAL], kernels[0, c.LANE_COUNT]
     least = _NOTED * h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY))
+    weightless = _NOTED * _SUNK * floats(world, SETTINGS)[0, SLOP] / h
     for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.FIRST_GROUP]):
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
@@ -60,8 +62,9 @@ def measure_residual(t: float, h: float, world: int) -> None:
             most = max(most, left)
             if left > least:
                 a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane]
-                noted = _NOTED * h * max(weight_per_mass(world, a), weight_per_mass(world, b))
-                if left > noted > 0.0:
+                weight = max(weight_per_mass(world, a), weight_per_mass(world, b))
+                noted = _NOTED * h * weight if weight > 0.0 else weightless
+                if left > noted:
                     for row in (a, b):
                         body[row, RESIDUAL_SIZE] |= (
                             NOTED_RESIDUAL | FAR_RESIDUAL if left > _FAR * noted else NOTED_RESIDUAL
