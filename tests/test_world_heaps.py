@@ -300,3 +300,17 @@ def test_mixed_heaps_gain_no_energy():
     assert (gained > 1.0).sum() <= 1
     assert gained.max() < 10.0  # in thousandths of the energy; by which bits differ with the folder of the code
     assert min(heaps) > 2
+
+
+def test_light_balls_in_a_row_that_is_struck_are_not_passed_through():
+    """Of 23 g between 7 kg and 3 kg: impacts reach the last ball through one that sweeps alone would see as free."""
+    world = World(gravity=(0, 0, 0))
+    balls = [
+        world.add_sphere(0.15, position=(x, 0, 0), mass=mass, friction=0.0)
+        for x, mass in ((0.0, 2.651), (0.427, 6.906), (0.761, 0.023), (1.348, 3.333))
+    ]
+    balls[0].velocity = (19.635, 0, 0)
+    for _ in range(40):
+        world.step(1 / 60)
+        assert (np.diff([ball.position[0] for ball in balls]) > 0.25).all()
+    assert np.array([ball.velocity[0] for ball in balls]) == pytest.approx(19.635 * 2.651 / 12.913, rel=0.02)

@@ -1,0 +1,49 @@
+"""Rows of free bodies of 10 g to 100 kg, struck at one end with e = 0: in the end all move on together."""
+
+import numpy as np
+
+from benchmarks.lab.building import Builder
+from benchmarks.lab.measures import at_most
+from benchmarks.lab.trial import Criterion, Trial
+from benchmarks.world.described import Floats, Scene
+from benchmarks.world.judge import Watched
+
+_RADIUS = 0.15
+
+
+def _row(random: np.random.Generator, gravity: float) -> Scene:
+    builder, x = Builder(gravity, friction=0.0), 0.0
+    if gravity > 0.0:
+        builder.plane()
+    for k in range(random.integers(2, 10)):
+        motion = {"velocity": (random.uniform(1, 20) if k == 0 else 0.0, 0.0, 0.0)}
+        builder.sphere(_RADIUS, position=(x, 0.0, _RADIUS), mass=10.0 ** random.uniform(-2, 2), **motion)
+        x += 2 * _RADIUS + random.uniform(0.0, 0.3)
+    return builder.scene()
+
+
+def _along(scene: Scene, columns: Floats) -> Floats:
+    return columns[:, [k for k, body in enumerate(scene.bodies) if body.mass > 0.0], 0]
+
+
+def _overlap(scene: Scene, watched: Watched) -> float:
+    return float(2 * _RADIUS - np.diff(_along(scene, watched.poses), axis=1).min())
+
+
+def _off(scene: Scene, watched: Watched) -> float:
+    masses = np.array([body.mass for body in scene.bodies if body.mass > 0.0])
+    start, end = _along(scene, watched.motions)[[0, -1]]
+    return float(np.abs(end - masses @ start / masses.sum()).max() / start.max())
+
+
+def _struck(name: str, gravity: float, members: int = 20) -> Trial:
+    random = np.random.default_rng(7)
+    scenes = tuple(_row(random, gravity) for _ in range(members))
+    criteria = (
+        at_most("overlap", "m", _overlap, 0.5 * _RADIUS),
+        Criterion("off the common velocity", "of the first", _off),
+    )
+    return Trial(f"{members} rows of balls of 10 g to 100 kg {name}, e = 0", scenes, 10.0, criteria, looks=300)
+
+
+TRIALS = (_struck("in free fall", 0.0), _struck("on a floor", 9.81))
