@@ -142,6 +142,19 @@ def test_examples_in_docstrings_run(path, tmp_path, monkeypatch):
     assert runner.tries > 0
 
 
+def test_examples_are_no_wider_than_the_pages():
+    width = 89  # characters, prompts included: what the methods of a class have at 1280 pixels
+    lines = [
+        line
+        for path in with_examples()
+        for test in examples_of(path)
+        for example in test.examples
+        for line in (*("    " + line for line in example.source.splitlines()), *example.want.splitlines())
+    ]
+    assert lines
+    assert not [line for line in lines if len(line) > width]
+
+
 def test_a_wrong_example_is_seen(tmp_path):
     path = tmp_path / "wrong.py"
     path.write_text('def one():\n    """Return 1.\n\n    >>> 1 + 1\n    3\n    """\n')

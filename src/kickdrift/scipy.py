@@ -181,7 +181,9 @@ def solver(method: str | Method) -> type[SplittingSolver]:
     --------
     >>> import scipy.integrate, kickdrift.scipy
     >>> Yoshida6 = kickdrift.scipy.solver("yoshida-6")
-    >>> sol = scipy.integrate.solve_ivp(lambda t, y: [y[1], -y[0]], (0, 1), [1, 0], method=Yoshida6, step=0.1)
+    >>> sol = scipy.integrate.solve_ivp(
+    ...     lambda t, y: [y[1], -y[0]], (0, 1), [1, 0], method=Yoshida6, step=0.1
+    ... )
     >>> round(float(sol.y[0, -1]), 6)
     0.540302
     """

@@ -33,6 +33,5 @@ steps = {name: [costs[name] * 60 / n for n in (1500, 3000, 6000, 12_000, 24_000,
 measured = kd.analysis.work_precision(orbit, (0.0, 60.0), names, steps, rounds=3)
 figure = measured.plot()
 for curve in measured.curves:
-    print(
-        f"{curve.label:22} error {curve.errors.min():.1e} for {curve.evaluations[curve.errors.argmin()]:.0f} evaluations"
-    )
+    best = curve.errors.argmin()
+    print(f"{curve.label:22} error {curve.errors[best]:.1e} for {curve.evaluations[best]:.0f} evaluations")

@@ -41,8 +41,7 @@ for name, law in (("Newton", newton), ("Einstein", gravity)):
     rate = abs(np.polyfit(sol.t / 36525, angle, 1)[0])
     ax.plot(sol.t / 365.25, angle, label=f"{name}: {rate:.2f}'' a century")
     print(f"{name}: {rate:.3f} seconds of arc a century")
-print(
-    f"expected: {np.degrees(6 * np.pi * GM / (c * c * a * (1 - e * e))) * 3600 * 36525 / (2 * np.pi * np.sqrt(a**3 / GM)):.3f}"
-)
+turn, period = 6 * np.pi * GM / (c * c * a * (1 - e * e)), 2 * np.pi * np.sqrt(a**3 / GM)
+print(f"expected: {np.degrees(turn) * 3600 * 36525 / period:.3f}")
 ax.set(xlabel="years", ylabel="perihelion (seconds of arc)")
 ax.legend()

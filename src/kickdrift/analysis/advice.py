@@ -137,7 +137,9 @@ def advise(
     --------
     >>> import kickdrift as kd
     >>> advice = kd.advise(kd.systems.pendulum(), (0.0, 100.0), 1e-6)
-    >>> sol = kd.solve(kd.systems.pendulum(), (0.0, 100.0), method=advice.method, step=advice.step)
+    >>> sol = kd.solve(
+    ...     kd.systems.pendulum(), (0.0, 100.0), method=advice.method, step=advice.step
+    ... )
     >>> sol.success
     True
     """

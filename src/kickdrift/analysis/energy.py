@@ -70,7 +70,8 @@ def energy_drift(solution: Solution) -> float:
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sol = kd.solve(kd.systems.harmonic_oscillator(), (0.0, 100.0), step=0.01, method="explicit-euler")
+    >>> spring = kd.systems.harmonic_oscillator()
+    >>> sol = kd.solve(spring, (0.0, 100.0), step=0.01, method="explicit-euler")
     >>> kd.analysis.energy_drift(sol) > 0.005
     True
     """
@@ -140,8 +141,11 @@ def modified_energy(
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
-    >>> sol = kd.solve(kd.systems.harmonic_oscillator(), (0.0, 100.0), step=0.1, method="semi-implicit-euler")
-    >>> kept = kd.analysis.modified_energy("semi-implicit-euler", sol.step, 1.0, sol.x, sol.v)
+    >>> spring = kd.systems.harmonic_oscillator()
+    >>> sol = kd.solve(spring, (0.0, 100.0), step=0.1, method="semi-implicit-euler")
+    >>> kept = kd.analysis.modified_energy(
+    ...     "semi-implicit-euler", sol.step, 1.0, sol.x, sol.v
+    ... )
     >>> bool(np.ptp(sol.energy) > 0.01), bool(np.ptp(kept) < 1e-13)
     (True, True)
     """

@@ -89,7 +89,9 @@ def lyapunov_exponent(
     Examples
     --------
     >>> import kickdrift as kd
-    >>> found = kd.analysis.lyapunov_exponent(lambda x: x, (0.0, 50.0), 0.0, 0.0, step=0.01, compile=False, method="leapfrog")
+    >>> found = kd.analysis.lyapunov_exponent(
+    ...     lambda x: x, (0.0, 50.0), 0.0, 0.0, step=0.01, compile=False, method="leapfrog"
+    ... )
     >>> round(found.values[0], 4)
     np.float64(1.0)
     """

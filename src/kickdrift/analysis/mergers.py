@@ -56,7 +56,7 @@ def mergers(solution: Solution) -> tuple[Merger, ...]:
     >>> import kickdrift as kd
     >>> x0, v0 = [[0, 0, 0], [1, 0, 0], [-1, 0, 0]], [[0, 0, 0], [0, 1, 0], [0, 1, 0]]
     >>> planets = kd.systems.planetary([1, 1e-3, 1e-3], x0, v0, radii=[0.01, 0.001, 0.001])
-    >>> one, = kd.analysis.mergers(kd.solve(planets, (0.0, 2.0), step=0.2))
+    >>> (one,) = kd.analysis.mergers(kd.solve(planets, (0.0, 2.0), step=0.2))
     >>> one.bodies, one.energy_lost > 0
     (('1', '2'), True)
     """

@@ -76,7 +76,9 @@ def modified_hamiltonian(
     >>> import numpy as np, kickdrift as kd
     >>> pendulum = kd.systems.pendulum()
     >>> sol = kd.solve(pendulum, (0.0, 100.0), step=0.1, method="leapfrog")
-    >>> modified = kd.analysis.modified_hamiltonian(pendulum, "leapfrog", sol.step, sol.x, sol.v)
+    >>> modified = kd.analysis.modified_hamiltonian(
+    ...     pendulum, "leapfrog", sol.step, sol.x, sol.v
+    ... )
     >>> bool(np.ptp(sol.energy) > 1e-4), bool(np.ptp(modified) < 1e-7)
     (True, True)
     """
@@ -139,7 +141,9 @@ def modified_order(
     Examples
     --------
     >>> import kickdrift as kd
-    >>> found = kd.analysis.modified_order(kd.systems.pendulum(), "leapfrog", (0.0, 10.0), [0.2, 0.1, 0.05])
+    >>> found = kd.analysis.modified_order(
+    ...     kd.systems.pendulum(), "leapfrog", (0.0, 10.0), [0.2, 0.1, 0.05]
+    ... )
     >>> round(found.order)
     4
     """

@@ -76,7 +76,8 @@ def orbital_elements(solution: Solution, coordinates: str = "jacobi") -> Orbital
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
-    >>> sol = kd.solve(kd.systems.kepler(eccentricity=0.6), (0.0, 6.0), step=0.01, method="wisdom-holman")
+    >>> orbit = kd.systems.kepler(eccentricity=0.6)
+    >>> sol = kd.solve(orbit, (0.0, 6.0), step=0.01, method="wisdom-holman")
     >>> elements = kd.analysis.orbital_elements(sol)
     >>> bool(np.allclose(elements.e, 0.6)), bool(np.allclose(elements.M[:, 0], sol.t))
     (True, True)

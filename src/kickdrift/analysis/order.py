@@ -92,7 +92,9 @@ def observed_order(
     Examples
     --------
     >>> import kickdrift as kd
-    >>> found = kd.analysis.observed_order(kd.systems.pendulum(), "leapfrog", (0.0, 5.0), steps=(0.1, 0.05, 0.025))
+    >>> found = kd.analysis.observed_order(
+    ...     kd.systems.pendulum(), "leapfrog", (0.0, 5.0), steps=(0.1, 0.05, 0.025)
+    ... )
     >>> round(found.order, 1)
     2.0
     """

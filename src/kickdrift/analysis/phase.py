@@ -40,7 +40,9 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
-    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 63.0), step=0.01, method="leapfrog", compensated=False)
+    >>> sol = kd.solve(
+    ...     kd.systems.kepler(), (0.0, 63.0), step=0.01, method="leapfrog", compensated=False
+    ... )
     >>> bool(0.002 < np.abs(kd.analysis.phase_error(sol)).max() < 0.2)
     True
     """

@@ -90,7 +90,9 @@ def poincare_section(
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sol = kd.solve(lambda x: -x, (0.0, 20.0), 1.0, 0.0, step=0.01, compile=False, events=lambda x: x)
+    >>> sol = kd.solve(
+    ...     lambda x: -x, (0.0, 20.0), 1.0, 0.0, step=0.01, compile=False, events=lambda x: x
+    ... )
     >>> len(kd.analysis.poincare_section(sol).t)
     6
     """

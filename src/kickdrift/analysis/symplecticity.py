@@ -73,7 +73,10 @@ def symplecticity_defect(
     --------
     >>> import kickdrift as kd
     >>> pendulum = kd.systems.pendulum()
-    >>> defects = [kd.analysis.symplecticity_defect(pendulum, name, 0.1) for name in ("leapfrog", "runge-kutta-4")]
+    >>> defects = [
+    ...     kd.analysis.symplecticity_defect(pendulum, name, 0.1)
+    ...     for name in ("leapfrog", "runge-kutta-4")
+    ... ]
     >>> defects[0] < 1e-12 < defects[1]
     True
     """

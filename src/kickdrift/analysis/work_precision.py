@@ -115,7 +115,9 @@ def work_precision(
     --------
     >>> import kickdrift as kd
     >>> orbit = kd.systems.kepler()
-    >>> table = kd.analysis.work_precision(orbit, (0.0, 20.0), ["leapfrog", "kahan-li-8"], [0.05, 0.02], rounds=1)
+    >>> table = kd.analysis.work_precision(
+    ...     orbit, (0.0, 20.0), ["leapfrog", "kahan-li-8"], [0.05, 0.02], rounds=1
+    ... )
     >>> [curve.label for curve in table.curves], table.curves[0].evaluations
     (['velocity-verlet', 'kahan-li-8'], array([ 401., 1001.]))
     """

@@ -63,7 +63,7 @@ class MethodMismatchError(ArgumentError):
     --------
     >>> import kickdrift as kd
     >>> try:
-    ...     kd.solve(lambda x, v: -v, (0.0, 1.0), 1.0, 0.0, step=0.1, method="leapfrog", compile=False)
+    ...     kd.solve(lambda x, v: -v, (0.0, 1.0), 1.0, 0.0, step=0.1, method="leapfrog")
     ... except kd.MethodMismatchError as error:
     ...     print("implicit-verlet" in str(error))
     True

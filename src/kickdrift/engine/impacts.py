@@ -72,7 +72,8 @@ class Impacts:
     >>> import numpy as np, kickdrift as kd
     >>> floor = kd.Impacts(lambda x: x[1], restitution=0.9)
     >>> fall = lambda x: np.array([0.0, -9.81])
-    >>> ball = kd.solve(fall, (0.0, 1.0), [0, 1], [1, 0], step=0.05, method="velocity-verlet", impacts=floor, compile=False)
+    >>> options = {"step": 0.05, "method": "velocity-verlet", "compile": False}
+    >>> ball = kd.solve(fall, (0.0, 1.0), [0, 1], [1, 0], impacts=floor, **options)
     >>> bool(ball.x[:, 1].min() > -1e-12)
     True
     """
@@ -108,7 +109,9 @@ def sphere_gaps(radii: ArrayLike) -> Callable[..., Any]:
     >>> disks = kd.Impacts(kd.sphere_gaps([0.5, 0.5]), restitution=1.0)
     >>> still = lambda x: np.zeros((2, 2))
     >>> options = {"step": 0.1, "method": "velocity-verlet", "compile": False}
-    >>> sol = kd.solve(still, (0.0, 2.0), [[0, 0], [2, 0]], [[1, 0], [0, 0]], impacts=disks, **options)
+    >>> sol = kd.solve(
+    ...     still, (0.0, 2.0), [[0, 0], [2, 0]], [[1, 0], [0, 0]], impacts=disks, **options
+    ... )
     >>> sol.v[-1].round(12)
     array([[0., 0.],
            [1., 0.]])

@@ -196,8 +196,9 @@ class Solution(Motion, Presented):
         --------
         >>> import kickdrift as kd
         >>> sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.01)
-        >>> sol.continue_to(2.0)
-        <Solution of kepler by semi-implicit-euler: 201 times from 0 to 2, 200 steps of 0.01, completed>
+        >>> longer = sol.continue_to(2.0)
+        >>> longer.n_steps, longer.t[-1]
+        (200, np.float64(2.0))
         """
         return self._continuation()(t)
 

@@ -45,7 +45,9 @@ class HairerSoderlind:
     --------
     >>> import kickdrift as kd
     >>> comet = kd.systems.kepler(eccentricity=0.9)
-    >>> sol = kd.solve(comet, (0.0, 20.0), step=1e-3, step_control=kd.HairerSoderlind("distance"))
+    >>> sol = kd.solve(
+    ...     comet, (0.0, 20.0), step=1e-3, step_control=kd.HairerSoderlind("distance")
+    ... )
     >>> bool(sol.step_range[1] > 20 * sol.step_range[0])
     True
     """
@@ -79,7 +81,9 @@ class HuangLeimkuhler:
     --------
     >>> import kickdrift as kd
     >>> comet = kd.systems.kepler(eccentricity=0.9)
-    >>> sol = kd.solve(comet, (0.0, 20.0), step=1e-3, step_control=kd.HuangLeimkuhler("distance"))
+    >>> sol = kd.solve(
+    ...     comet, (0.0, 20.0), step=1e-3, step_control=kd.HuangLeimkuhler("distance")
+    ... )
     >>> bool(abs(sol.energy + 0.5).max() < 0.01)
     True
     """
@@ -115,7 +119,9 @@ class LogarithmicHamiltonian:
     --------
     >>> import kickdrift as kd
     >>> comet = kd.systems.kepler(eccentricity=0.9)
-    >>> sol = kd.solve(comet, (0.0, 20.0), step=2e-3, step_control=kd.LogarithmicHamiltonian())
+    >>> sol = kd.solve(
+    ...     comet, (0.0, 20.0), step=2e-3, step_control=kd.LogarithmicHamiltonian()
+    ... )
     >>> bool(abs(sol.energy + 0.5).max() < 1e-13)
     True
     """
@@ -189,7 +195,8 @@ class LocalError:
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sol = kd.solve(kd.systems.kepler(), (0.0, 20.0), step_control=kd.LocalError(1e-9, 1e-9), method="dop853")
+    >>> orbit, control = kd.systems.kepler(), kd.LocalError(1e-9, 1e-9)
+    >>> sol = kd.solve(orbit, (0.0, 20.0), step_control=control, method="dop853")
     >>> bool(abs(sol.energy + 0.5).max() < 1e-6)
     True
     """

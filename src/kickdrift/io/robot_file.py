@@ -123,7 +123,9 @@ def load_robot(
     >>> link = f'<link name="%s"><inertial><mass value="1"/>{inertia}</inertial></link>'
     >>> ends = '<parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>'
     >>> joint = f'<joint name="elbow" type="continuous">{ends}</joint>'
-    >>> _ = Path("arm.urdf").write_text(f"<robot name='arm'>{link % 'base'}{link % 'arm'}{joint}</robot>")
+    >>> _ = Path("arm.urdf").write_text(
+    ...     f"<robot name='arm'>{link % 'base'}{link % 'arm'}{joint}</robot>"
+    ... )
     >>> robot = kd.load_robot("arm.urdf")
     >>> list(robot.joints)
     ['elbow']

@@ -70,7 +70,14 @@ class Method:
     --------
     >>> from kickdrift.methods import Kind, Letter, Method, word
     >>> halves = word((Letter.DRIFT, "1/2"), (Letter.KICK, 1), (Letter.DRIFT, "1/2"))
-    >>> mine = Method(name="mine-2", order=2, symmetric=True, kind=Kind.SEPARABLE, source="an example", word=halves)
+    >>> mine = Method(
+    ...     name="mine-2",
+    ...     order=2,
+    ...     symmetric=True,
+    ...     kind=Kind.SEPARABLE,
+    ...     source="an example",
+    ...     word=halves,
+    ... )
     >>> mine.spelling, mine.explicit
     ('D/2 K D/2', True)
     """

@@ -25,7 +25,10 @@ def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None 
     Examples
     --------
     >>> from kickdrift.methods import Letter, alternating
-    >>> [(letter.symbol, str(share)) for letter, share in alternating(Letter.DRIFT, ["1/2", 1, "1/2"])]
+    >>> [
+    ...     (letter.symbol, str(share))
+    ...     for letter, share in alternating(Letter.DRIFT, ["1/2", 1, "1/2"])
+    ... ]
     [('D', '1/2'), ('K', '1'), ('D', '1/2')]
     """
     other = second or (D if first is K else K)
@@ -41,7 +44,10 @@ def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word
     Examples
     --------
     >>> from kickdrift.methods import Letter, rows
-    >>> [(letter.symbol, str(share)) for letter, share in rows(Letter.KICK, ["1/4"], ["2/3"])]
+    >>> [
+    ...     (letter.symbol, str(share))
+    ...     for letter, share in rows(Letter.KICK, ["1/4"], ["2/3"])
+    ... ]
     [('K', '1/4'), ('D', '2/3'), ('K', '3/4'), ('D', '1/3')]
     """
     weights = [Fraction(0)] * (len(own) + len(others) + 2)
@@ -76,7 +82,10 @@ def composition(base: Word, weights: Sequence[Weight]) -> Word:
     --------
     >>> from kickdrift.methods import Letter, alternating, composition
     >>> leapfrog = alternating(Letter.KICK, ["1/2", 1, "1/2"])
-    >>> [(letter.symbol, str(share)) for letter, share in composition(leapfrog, ["1/3", "2/3"])]
+    >>> [
+    ...     (letter.symbol, str(share))
+    ...     for letter, share in composition(leapfrog, ["1/3", "2/3"])
+    ... ]
     [('K', '1/6'), ('D', '1/3'), ('K', '1/2'), ('D', '2/3'), ('K', '1/3')]
     """
     spelled: list[tuple[Letter, Fraction]] = []

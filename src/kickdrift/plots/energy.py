@@ -102,7 +102,10 @@ def plot_energy_comparison(
     --------
     >>> import kickdrift as kd
     >>> orbit = kd.systems.kepler()
-    >>> runs = {name: kd.solve(orbit, (0.0, 20.0), step=0.01, method=name) for name in ("kick-drift", "leapfrog")}
+    >>> runs = {
+    ...     name: kd.solve(orbit, (0.0, 20.0), step=0.01, method=name)
+    ...     for name in ("kick-drift", "leapfrog")
+    ... }
     >>> figure = kd.plots.plot_energy_comparison(runs)
     """
     if not solutions:

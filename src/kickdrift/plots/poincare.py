@@ -56,7 +56,8 @@ def plot_poincare_sections(
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sol = kd.solve(lambda x: -x, (0.0, 20.0), [1.0, 0.0], [0.0, 0.5], step=0.05, compile=False, events=lambda x: x[0])
+    >>> options = {"step": 0.05, "compile": False, "events": lambda x: x[0]}
+    >>> sol = kd.solve(lambda x: -x, (0.0, 20.0), [1.0, 0.0], [0.0, 0.5], **options)
     >>> figure = kd.plots.plot_poincare_sections(kd.analysis.poincare_section(sol))
     """
     many = [sections] if isinstance(sections, PoincareSection) else list(sections)

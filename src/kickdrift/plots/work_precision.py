@@ -45,7 +45,9 @@ def plot_work_precision(
     Examples
     --------
     >>> import kickdrift as kd
-    >>> table = kd.analysis.work_precision(kd.systems.kepler(), (0.0, 10.0), ["leapfrog"], [0.05, 0.02], rounds=1)
+    >>> table = kd.analysis.work_precision(
+    ...     kd.systems.kepler(), (0.0, 10.0), ["leapfrog"], [0.05, 0.02], rounds=1
+    ... )
     >>> figure = kd.plots.plot_work_precision(table)
     """
     start, end = measured.t_span

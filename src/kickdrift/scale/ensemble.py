@@ -153,7 +153,10 @@ def solve_ensemble(
     >>> import numpy as np, kickdrift as kd
     >>> def spring(x, params):
     ...     return -params[0] * x
-    >>> sol = kd.solve_ensemble(spring, (0.0, 10.0), x0=[1.0], v0=[0.0], args={"k": np.linspace(1, 4, 31)}, step=0.1)
+    >>> stiffness = {"k": np.linspace(1, 4, 31)}
+    >>> sol = kd.solve_ensemble(
+    ...     spring, (0.0, 10.0), x0=[1.0], v0=[0.0], args=stiffness, step=0.1
+    ... )
     >>> sol.x.shape
     (31, 101)
     """

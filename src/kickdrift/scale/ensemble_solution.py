@@ -73,7 +73,9 @@ class EnsembleSolution(Motion):
     --------
     >>> import numpy as np, kickdrift as kd
     >>> orbit = kd.systems.kepler()
-    >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+    >>> runs = kd.solve_ensemble(
+    ...     orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01
+    ... )
     >>> runs.x.shape, runs[3].n_steps
     ((16, 101, 2), 100)
     """
@@ -164,7 +166,9 @@ class EnsembleSolution(Motion):
         --------
         >>> import numpy as np, kickdrift as kd
         >>> orbit = kd.systems.kepler()
-        >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+        >>> runs = kd.solve_ensemble(
+        ...     orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01
+        ... )
         >>> print(runs.report())  # doctest: +ELLIPSIS
         system                  kepler
         members                 16
@@ -180,7 +184,9 @@ class EnsembleSolution(Motion):
         >>> from tempfile import mkdtemp
         >>> import numpy as np, kickdrift as kd
         >>> orbit = kd.systems.kepler()
-        >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+        >>> runs = kd.solve_ensemble(
+        ...     orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01
+        ... )
         >>> path = runs.save(mkdtemp() + "/orbits.npz")
         >>> bool((kd.load(path).x == runs.x).all())
         True
@@ -194,7 +200,9 @@ class EnsembleSolution(Motion):
         --------
         >>> import numpy as np, kickdrift as kd
         >>> orbit = kd.systems.kepler()
-        >>> runs = kd.solve_ensemble(orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01)
+        >>> runs = kd.solve_ensemble(
+        ...     orbit, (0.0, 1.0), x0=orbit.x0 + np.zeros((16, 2)), step=0.01
+        ... )
         >>> runs.to_xarray().x.dims
         ('member', 'time', 'space')
         """

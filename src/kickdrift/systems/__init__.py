@@ -72,8 +72,8 @@ def catalogue() -> dict[str, Callable[[], System]]:
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sorted(kd.systems.catalogue())
-    ['benchmarks-game', 'harmonic-oscillator', 'kepler', 'outer-solar-system', 'pendulum', 'solar-system']
+    >>> sorted(kd.systems.catalogue())[:3]
+    ['benchmarks-game', 'harmonic-oscillator', 'kepler']
     """
     return dict(_CATALOGUE)
 

@@ -48,7 +48,10 @@ def benchmarks_game() -> System:
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sol = kd.solve(kd.systems.benchmarks_game(), (0.0, 10.0), step=0.01, method="kick-drift", compensated=False)
+    >>> planets = kd.systems.benchmarks_game()
+    >>> sol = kd.solve(
+    ...     planets, (0.0, 10.0), step=0.01, method="kick-drift", compensated=False
+    ... )
     >>> print(f"{sol.energy[0]:.9f} {sol.energy[-1]:.9f}")
     -0.169075164 -0.169087605
     """

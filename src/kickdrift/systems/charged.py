@@ -65,7 +65,9 @@ class ChargedParticle(Problem):
     >>> import numpy as np, kickdrift as kd
     >>> ion = kd.ChargedParticle(1.0, lambda x: np.array([0.0, 0.0, 2.0]))
     >>> start = {"x0": [0.0, 0.5, 0.0], "v0": [1.0, 0.0, 0.0]}
-    >>> sol = kd.solve(ion, (0.0, np.pi / 2), **start, step=0.001, method="boris", compile=False)
+    >>> sol = kd.solve(
+    ...     ion, (0.0, np.pi / 2), **start, step=0.001, method="boris", compile=False
+    ... )
     >>> bool(np.allclose(sol.x[-1], [0.0, -0.5, 0.0], atol=1e-5))
     True
     """

@@ -77,7 +77,9 @@ class Constrained(Problem):
     ...     constraint=lambda x: x[0] ** 2 + x[1] ** 2 - 1,
     ...     energy=lambda x, v: 0.5 * (v[0] ** 2 + v[1] ** 2) + 9.81 * x[1],
     ... )
-    >>> sol = kd.solve(pendulum, (0.0, 0.5), x0=[1, 0], v0=[0, 0], method="rattle", step=0.01, compile=False)
+    >>> sol = kd.solve(
+    ...     pendulum, (0.0, 0.5), [1, 0], [0, 0], method="rattle", step=0.01, compile=False
+    ... )
     >>> bool(abs(np.hypot(*sol.x.T) - 1).max() < 1e-12), bool(abs(sol.energy).max() < 1e-2)
     (True, True)
     """

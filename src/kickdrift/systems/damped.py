@@ -57,7 +57,15 @@ class Damped(Problem):
     --------
     >>> import numpy as np, kickdrift as kd
     >>> pendulum = kd.Damped(lambda x: -np.sin(x), damping=0.2)
-    >>> sol = kd.solve(pendulum, (0.0, 50.0), x0=3.0, v0=0.0, step=0.1, method="conformal-verlet", compile=False)
+    >>> sol = kd.solve(
+    ...     pendulum,
+    ...     (0.0, 50.0),
+    ...     3.0,
+    ...     0.0,
+    ...     step=0.1,
+    ...     method="conformal-verlet",
+    ...     compile=False,
+    ... )
     >>> bool(abs(sol.x[-1]) < 0.1)
     True
     """

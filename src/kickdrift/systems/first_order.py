@@ -34,7 +34,9 @@ class FirstOrder(Problem):
     >>> import kickdrift as kd
     >>> def van_der_pol(i, y):
     ...     return y[1] if i == 0 else (1 - y[0] ** 2) * y[1] - y[0]
-    >>> sol = kd.solve(kd.FirstOrder(van_der_pol), (0.0, 20.0), x0=[2.0, 0.0], step=0.01, compile=False)
+    >>> sol = kd.solve(
+    ...     kd.FirstOrder(van_der_pol), (0.0, 20.0), x0=[2.0, 0.0], step=0.01, compile=False
+    ... )
     >>> sol.y.shape
     (2001, 2)
     """

@@ -41,7 +41,9 @@ class Separable(Problem):
     ...     potential_gradient=lambda q: q,
     ...     energy=lambda q, p: np.sqrt(1 + p * p) + 0.5 * q * q,
     ... )
-    >>> sol = kd.solve(system, (0.0, 10.0), x0=3.0, v0=0.0, method="blanes-moan-s6", step=0.1, compile=False)
+    >>> sol = kd.solve(
+    ...     system, (0.0, 10.0), 3.0, 0.0, method="blanes-moan-s6", step=0.1, compile=False
+    ... )
     >>> bool(abs(sol.energy - sol.energy[0]).max() < 1e-5)
     True
     """
@@ -94,7 +96,8 @@ class Hamiltonian(Problem):
     ...     dHdp=lambda q, p: p * (1 + q * q),
     ...     energy=lambda q, p: 0.5 * (1 + q * q) * (1 + p * p),
     ... )
-    >>> sol = kd.solve(system, (0.0, 10.0), x0=0.5, v0=0.0, method="semi-implicit-euler", step=0.01, compile=False)
+    >>> options = {"method": "semi-implicit-euler", "step": 0.01, "compile": False}
+    >>> sol = kd.solve(system, (0.0, 10.0), x0=0.5, v0=0.0, **options)
     >>> sol.about.method, bool(abs(sol.energy - sol.energy[0]).max() < 0.01)
     ('implicit-kick-drift', True)
     """
@@ -143,7 +146,9 @@ class Partitioned(Problem):
     ...     lambda x, v: v * (x - 1),
     ...     invariants={"constant of motion": lambda x, v: x - np.log(x) + v - np.log(v)},
     ... )
-    >>> sol = kd.solve(fish, (0.0, 50.0), x0=0.5, v0=1.0, method="implicit-verlet", step=0.1, compile=False)
+    >>> sol = kd.solve(
+    ...     fish, (0.0, 50.0), 0.5, 1.0, method="implicit-verlet", step=0.1, compile=False
+    ... )
     >>> constant = sol.invariants["constant of motion"]
     >>> bool(abs(constant - constant[0]).max() < 0.01)
     True

@@ -65,7 +65,8 @@ def kepler(eccentricity: float = 0.6, semi_major_axis: float = 1.0, mu: float = 
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
-    >>> sol = kd.solve(kd.systems.kepler(eccentricity=0.6), (0.0, 2 * np.pi), step=0.01, method="wisdom-holman")
+    >>> orbit = kd.systems.kepler(eccentricity=0.6)
+    >>> sol = kd.solve(orbit, (0.0, 2 * np.pi), step=0.01, method="wisdom-holman")
     >>> bool(abs(sol.x[-1] - sol.x[0]).max() < 1e-13)
     True
     """

@@ -60,8 +60,12 @@ class Langevin(Problem):
     Examples
     --------
     >>> import kickdrift as kd
-    >>> double_well = kd.Langevin(lambda x: 4 * x * (1 - x * x), friction=1.0, temperature=0.4, seed=7)
-    >>> sol = kd.solve(double_well, (0.0, 20.0), x0=1.0, v0=0.0, step=0.1, method="baoab", compile=False)
+    >>> double_well = kd.Langevin(
+    ...     lambda x: 4 * x * (1 - x * x), friction=1.0, temperature=0.4, seed=7
+    ... )
+    >>> sol = kd.solve(
+    ...     double_well, (0.0, 20.0), x0=1.0, v0=0.0, step=0.1, method="baoab", compile=False
+    ... )
     >>> sol.x.shape
     (201,)
     """

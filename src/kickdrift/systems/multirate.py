@@ -46,7 +46,9 @@ class Multirate(Problem):
     --------
     >>> import kickdrift as kd
     >>> bond = kd.Multirate(slow_force=lambda x: -x, fast_force=lambda x: -400 * x**3)
-    >>> sol = kd.solve(bond, (0.0, 1.0), x0=0.5, v0=0.0, step=0.05, method="respa-2", compile=False)
+    >>> sol = kd.solve(
+    ...     bond, (0.0, 1.0), x0=0.5, v0=0.0, step=0.05, method="respa-2", compile=False
+    ... )
     >>> sol.n_force_evaluations
     222
     """

@@ -144,7 +144,9 @@ def nbody(
     Examples
     --------
     >>> import numpy as np, kickdrift as kd
-    >>> three = kd.systems.nbody([3, 4, 5], x0=[[1, 3, 0], [-2, -1, 0], [1, -1, 0]], v0=np.zeros((3, 3)))
+    >>> three = kd.systems.nbody(
+    ...     [3, 4, 5], x0=[[1, 3, 0], [-2, -1, 0], [1, -1, 0]], v0=np.zeros((3, 3))
+    ... )
     >>> sol = kd.solve(three, (0.0, 1.0), step=0.001, method="leapfrog", save_every=100)
     >>> sol.x.shape, round(float(sol.energy[0]), 6)
     ((11, 3, 3), -12.816667)

@@ -54,7 +54,15 @@ class Oscillatory(Problem):
     --------
     >>> import kickdrift as kd
     >>> spring = kd.Oscillatory(lambda x: -(x**3), omega=50.0)
-    >>> sol = kd.solve(spring, (0.0, 10.0), x0=0.02, v0=0.0, step=0.1, method="mollified-impulse", compile=False)
+    >>> sol = kd.solve(
+    ...     spring,
+    ...     (0.0, 10.0),
+    ...     0.02,
+    ...     0.0,
+    ...     step=0.1,
+    ...     method="mollified-impulse",
+    ...     compile=False,
+    ... )
     >>> bool(abs(sol.x).max() < 0.0201)
     True
     """

@@ -37,7 +37,8 @@ def outer_solar_system(splitting: str = "jacobi") -> System:
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sol = kd.solve(kd.systems.outer_solar_system(), (0.0, 20_000.0), step=200.0, method="wisdom-holman")
+    >>> planets = kd.systems.outer_solar_system()
+    >>> sol = kd.solve(planets, (0.0, 20_000.0), step=200.0, method="wisdom-holman")
     >>> sol.x.shape
     (101, 6, 3)
     """

@@ -47,7 +47,9 @@ def pendulum(amplitude: float = 2.0, omega: float = 1.0) -> System:
     Examples
     --------
     >>> import kickdrift as kd
-    >>> sol = kd.solve(kd.systems.pendulum(amplitude=3.0), (0.0, 10.0), step=0.01, method="kahan-li-8")
+    >>> sol = kd.solve(
+    ...     kd.systems.pendulum(amplitude=3.0), (0.0, 10.0), step=0.01, method="kahan-li-8"
+    ... )
     >>> x, v = kd.systems.pendulum(amplitude=3.0).exact(sol.t)
     >>> bool(abs(sol.x - x).max() < 1e-11)
     True

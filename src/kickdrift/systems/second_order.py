@@ -51,7 +51,7 @@ class SecondOrder(Problem):
     --------
     >>> import kickdrift as kd
     >>> spring = kd.SecondOrder(lambda x: -x, energy=lambda x, v: 0.5 * (v * v + x * x))
-    >>> kd.solve(spring, t_span=(0.0, 1.0), x0=1.0, v0=0.0, step=0.01, compile=False).energy[0]
+    >>> kd.solve(spring, (0.0, 1.0), x0=1.0, v0=0.0, step=0.01, compile=False).energy[0]
     np.float64(0.5)
     """
 
@@ -106,7 +106,7 @@ class Newtonian(Problem):
     --------
     >>> import kickdrift as kd
     >>> spring = kd.Newtonian(lambda x: -8 * x, mass=2.0)
-    >>> kd.solve(spring, t_span=(0.0, 1.0), x0=1.0, v0=0.0, step=0.5, method="leapfrog", compile=False).x
+    >>> kd.solve(spring, (0.0, 1.0), 1.0, 0.0, step=0.5, method="leapfrog", compile=False).x
     array([ 1. ,  0.5, -0.5])
     """
 

@@ -61,7 +61,8 @@ def spline(t: ArrayLike, values: ArrayLike, end: str = "not-a-knot") -> Callable
     >>> import numpy as np, kickdrift as kd
     >>> times = np.linspace(0.0, 10.0, 101)
     >>> push = kd.spline(times, np.sin(times))
-    >>> sol = kd.solve(lambda t, x: push(t) - x, (0.0, 10.0), 1.0, 0.0, step=0.01, method="leapfrog", compile=False)
+    >>> options = {"step": 0.01, "method": "leapfrog", "compile": False}
+    >>> sol = kd.solve(lambda t, x: push(t) - x, (0.0, 10.0), 1.0, 0.0, **options)
     >>> sol.success
     True
     """

@@ -99,7 +99,9 @@ def from_lagrangian(
     >>> r, a, rdot, adot = sp.symbols("r a rdot adot")
     >>> L = (rdot**2 + (r * adot) ** 2) / 2 + 1 / r
     >>> orbit = kd.from_lagrangian(L, (r, a), (rdot, adot))
-    >>> sol = kd.solve(orbit, (0.0, 6.0), [1.0, 0.0], [0.0, 1.0], step=0.01, method="gauss-4", compile=False)
+    >>> sol = kd.solve(
+    ...     orbit, (0.0, 6.0), [1, 0], [0, 1], step=0.01, method="gauss-4", compile=False
+    ... )
     >>> bool(abs(sol.x[:, 0] - 1.0).max() < 1e-9)
     True
     """

@@ -147,7 +147,9 @@ class AppliesForces:
         ...     for i in range(len(wind)):
         ...         wind[i, 0] += 8.0 * np.tanh(position[i, 2]) * (1.0 - np.exp(-t))
         >>> world = kd.World(gravity=(0, 0, 0))
-        >>> leaf = world.add_cloth_grid(size=(0.1, 0.1), vertices=(3, 3), position=(0, 0, 2), drag=1.2)
+        >>> leaf = world.add_cloth_grid(
+        ...     size=(0.1, 0.1), vertices=(3, 3), position=(0, 0, 2), drag=1.2
+        ... )
         >>> leaf.position[:] = leaf.position[:, ::-1] + (0, 0, 2)
         >>> world.add_wind(storm)
         >>> world.advance(1 / 60, 300)

@@ -55,7 +55,9 @@ def gusts(mean: ArrayLike, intensity: float = 0.2, length: float = 5.0, seed: in
     --------
     >>> import kickdrift as kd
     >>> world = kd.World()
-    >>> flag = world.add_cloth_grid(size=(1.2, 0.7), vertices=(12, 8), position=(0.6, 0, 2), drag=1.0, lift=1.0)
+    >>> flag = world.add_cloth_grid(
+    ...     size=(1.2, 0.7), vertices=(12, 8), position=(0.6, 0, 2), drag=1.0, lift=1.0
+    ... )
     >>> flag.pin(range(8))
     >>> world.add_wind(kd.gusts(mean=(8, 0, 0), intensity=0.3, seed=1))
     >>> world.advance(1 / 60, 60)

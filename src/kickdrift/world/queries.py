@@ -145,7 +145,9 @@ class SpatialQueries:
         >>> import numpy as np, kickdrift as kd
         >>> world = kd.World()
         >>> ball = world.add_sphere(radius=0.5)
-        >>> hits = world.ray_cast_many(np.array([[0, 0, 5], [1, 0, 5]]), np.array([[0, 0, -1], [0, 0, -1]]))
+        >>> hits = world.ray_cast_many(
+        ...     np.array([[0, 0, 5], [1, 0, 5]]), np.array([[0, 0, -1], [0, 0, -1]])
+        ... )
         >>> hits.distance
         array([4.5, inf])
         """

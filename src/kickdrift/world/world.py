@@ -70,7 +70,9 @@ class World(
     >>> import kickdrift as kd
     >>> world = kd.World(gravity=(0, 0, -9.81))
     >>> floor = world.add_plane(friction=0.6)
-    >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1.1), density=1000.0, restitution=0.8)
+    >>> ball = world.add_sphere(
+    ...     radius=0.1, position=(0, 0, 1.1), density=1000.0, restitution=0.8
+    ... )
     >>> recording = world.run(duration=2.0, step=1 / 60)
 
     Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and the bodies in contact with

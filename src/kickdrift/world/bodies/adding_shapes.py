@@ -44,7 +44,9 @@ class AddsShapes(AddsBodies):
         --------
         >>> import kickdrift as kd
         >>> world = kd.World()
-        >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 1), density=1000.0, restitution=0.8)
+        >>> ball = world.add_sphere(
+        ...     radius=0.1, position=(0, 0, 1), density=1000.0, restitution=0.8
+        ... )
         >>> round(ball.mass, 3)
         4.189
         """

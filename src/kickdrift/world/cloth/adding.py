@@ -62,7 +62,8 @@ class AddsCloths(AddsDeformables):
         --------
         >>> import kickdrift as kd
         >>> world = kd.World()
-        >>> corners, triangles = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
+        >>> corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        >>> triangles = [(0, 1, 2), (0, 2, 3)]
         >>> sheet = world.add_cloth(corners, triangles, density=0.2)
         >>> round(float(sheet.mass.sum()), 6)
         0.2

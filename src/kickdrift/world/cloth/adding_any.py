@@ -39,7 +39,9 @@ class AddsDeformables:
         --------
         >>> import kickdrift as kd
         >>> world = kd.World()
-        >>> sheet, towel = (world.add_cloth_grid(vertices=(3, 3), name=name) for name in ("sheet", "towel"))
+        >>> sheet, towel = (
+        ...     world.add_cloth_grid(vertices=(3, 3), name=name) for name in ("sheet", "towel")
+        ... )
         >>> world.remove_cloth(sheet)
         >>> towel.index, sheet
         (0, Cloth(index=0, generation=0, name='sheet'))

@@ -52,7 +52,14 @@ class AddsRopes(AddsDeformables):
         >>> import kickdrift as kd
         >>> world = kd.World()
         >>> points = np.linspace((0, 0, 2), (0, 0, 1), 21)
-        >>> rope = world.add_rope(points, radius=0.01, density=0.1, stretch_stiffness=1000.0, damping=0.01, linear_damping=3.0)
+        >>> rope = world.add_rope(
+        ...     points,
+        ...     radius=0.01,
+        ...     density=0.1,
+        ...     stretch_stiffness=1000.0,
+        ...     damping=0.01,
+        ...     linear_damping=3.0,
+        ... )
         >>> rope.pin([0])
         >>> world.advance(1 / 60, 300)
         >>> round(float(rope.tension[0]), 3)  # the weight below the middle of the first segment

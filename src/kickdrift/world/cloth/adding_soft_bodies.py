@@ -69,7 +69,9 @@ class AddsSoftBodies(AddsDeformables):
         >>> import kickdrift as kd
         >>> world = kd.World()
         >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-        >>> body = world.add_soft_body(corners, [(0, 1, 2, 3)], density=1000.0, young_modulus=1e5)
+        >>> body = world.add_soft_body(
+        ...     corners, [(0, 1, 2, 3)], density=1000.0, young_modulus=1e5
+        ... )
         >>> round(body.volume, 6), round(float(body.mass.sum()), 3)
         (0.166667, 166.667)
         """
@@ -116,7 +118,12 @@ class AddsSoftBodies(AddsDeformables):
         >>> world = kd.World()
         >>> floor = world.add_plane()
         >>> jelly = world.add_soft_box(
-        ...     (0.2, 0.2, 0.2), (4, 4, 4), position=(0, 0, 0.2), density=1000.0, young_modulus=2e4, damping=0.01
+        ...     (0.2, 0.2, 0.2),
+        ...     (4, 4, 4),
+        ...     position=(0, 0, 0.2),
+        ...     density=1000.0,
+        ...     young_modulus=2e4,
+        ...     damping=0.01,
         ... )
         >>> world.advance(1 / 60, 60)
         >>> bool(0.0 < jelly.position[:, 2].min() < 0.004)

@@ -93,7 +93,8 @@ class Motor:
     >>> import kickdrift as kd
     >>> world = kd.World()
     >>> wheel = world.add_cylinder(0.3, 0.1, mass=2.0)
-    >>> axle = world.add_hinge(None, wheel, anchor=(0, 0, 0), axis=(0, 0, 1), motor=kd.Motor(speed=10.0, maximum=0.9))
+    >>> motor = kd.Motor(speed=10.0, maximum=0.9)
+    >>> axle = world.add_hinge(None, wheel, anchor=(0, 0, 0), axis=(0, 0, 1), motor=motor)
     >>> world.advance(1 / 60, 30)
     >>> round(axle.speed, 6), round(axle.effort, 6)
     (5.0, 0.9)

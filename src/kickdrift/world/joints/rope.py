@@ -33,7 +33,9 @@ class Rope(Record):
     >>> import kickdrift as kd
     >>> world = kd.World()
     >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
-    >>> rope = world.add_rope_joint(None, rod, anchor_a=(0, 0, 1), anchor_b=(0, 0, 0), length=1.5)
+    >>> rope = world.add_rope_joint(
+    ...     None, rod, anchor_a=(0, 0, 1), anchor_b=(0, 0, 0), length=1.5
+    ... )
     >>> world.advance(1 / 60, 300)
     >>> bool(rod.position[2] > -1.01)
     True

@@ -45,7 +45,8 @@ class SixDof(Record):
     >>> world = kd.World()
     >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
     >>> free, held = kd.Axis(), kd.Axis(locked=True)
-    >>> joint = world.add_six_dof_joint(None, rod, anchor=(0, 0, 0), linear=(held, held, free), angular=(held, held, free))
+    >>> axes = {"linear": (held, held, free), "angular": (held, held, free)}
+    >>> joint = world.add_six_dof_joint(None, rod, anchor=(0, 0, 0), **axes)
     >>> world.advance(1 / 60, 60)
     >>> bool(joint.positions[2] < -4)
     True

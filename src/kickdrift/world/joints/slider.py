@@ -39,7 +39,9 @@ class Slider(Record):
     >>> import kickdrift as kd
     >>> world = kd.World()
     >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
-    >>> slider = world.add_slider(None, rod, anchor=(0, 0, 0), axis=(0, 0, 1), limits=(-0.2, 0.2))
+    >>> slider = world.add_slider(
+    ...     None, rod, anchor=(0, 0, 0), axis=(0, 0, 1), limits=(-0.2, 0.2)
+    ... )
     >>> world.advance(1 / 60, 120)
     >>> round(slider.position, 3)
     -0.2

@@ -39,7 +39,9 @@ class Spring(Record):
     >>> import kickdrift as kd
     >>> world = kd.World()
     >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
-    >>> spring = world.add_spring(None, rod, anchor_a=(0, 0, 1), anchor_b=(0, 0, 0), stiffness=98.1, damping=20.0)
+    >>> spring = world.add_spring(
+    ...     None, rod, anchor_a=(0, 0, 1), anchor_b=(0, 0, 0), stiffness=98.1, damping=20.0
+    ... )
     >>> world.advance(1 / 60, 300)
     >>> round(float(rod.position[2]), 3)
     -0.6

@@ -35,7 +35,9 @@ class Universal(Record):
     >>> import kickdrift as kd
     >>> world = kd.World()
     >>> rod = world.add_capsule(radius=0.05, length=0.9, position=(0, 0, -0.5), mass=1.0)
-    >>> joint = world.add_universal_joint(None, rod, anchor=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(0, 1, 0))
+    >>> joint = world.add_universal_joint(
+    ...     None, rod, anchor=(0, 0, 0), axis_a=(1, 0, 0), axis_b=(0, 1, 0)
+    ... )
     >>> world.advance(1 / 60, 60)
     >>> joint.angles.round(6)
     array([0., 0., 0.])

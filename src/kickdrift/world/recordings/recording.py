@@ -106,10 +106,11 @@ class Recording(Solution):
         --------
         >>> import kickdrift as kd
         >>> recording = kd.World().run(duration=0.1, step=0.01)
-        >>> recording.return_to(0.0)
-        Traceback (most recent call last):
-        ...
-        kickdrift.core.errors.KickdriftError: the steps of a world, with contacts, do not lead back; see earlier rows.
+        >>> try:
+        ...     recording.return_to(0.0)
+        ... except kd.KickdriftError as error:
+        ...     print(error)
+        the steps of a world, with contacts, do not lead back; see earlier rows.
         """
         raise KickdriftError("the steps of a world, with contacts, do not lead back; see earlier rows.")
 

@@ -133,7 +133,8 @@ class Hull:
         Examples
         --------
         >>> import kickdrift as kd
-        >>> round(float(kd.Hull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]).mass_properties().volume), 6)
+        >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        >>> round(float(kd.Hull(corners).mass_properties().volume), 6)
         0.166667
         """
         middle = self.vertices.mean(axis=0)
