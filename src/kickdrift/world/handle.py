@@ -30,7 +30,7 @@ class Handle:
     __slots__ = ("_generation", "_index", "_last_name")
     _index: int
     _generation: int
-    _last_name: str | None  # the last name seen, for messages about removed rows
+    _last_name: str | None  # the last name seen
     registered_in: ClassVar[str]  # the attribute of a world that is the registry of its handles of this kind
 
     @property
@@ -49,8 +49,10 @@ class Handle:
 
     @property
     def name(self) -> str | None:
-        """Its name, or None; unique in the world. Can be set."""
-        return self._registry.names.of(self._registry.row(self))
+        """Its name, or None; unique in the world. Can be set. Of what was removed, or has broken, its last name."""
+        if self._registry.knows(self.index, self._generation):
+            self._last_name = self._registry.names.of(self.index)
+        return self._last_name
 
     @name.setter
     def name(self, name: str | None) -> None:
@@ -66,11 +68,8 @@ class Handle:
         return hash(self._generation)
 
     def __repr__(self) -> str:
-        index = self.index
-        if self._registry.knows(index, self._generation):
-            self._last_name = self._registry.names.of(index)
-        named = "" if self._last_name is None else f", name={self._last_name!r}"
-        return f"{type(self).__name__}(index={index}, generation={self._generation}{named})"
+        named = "" if self.name is None else f", name={self.name!r}"
+        return f"{type(self).__name__}(index={self.index}, generation={self._generation}{named})"
 
     def __copy__(self) -> Self:
         return self
