@@ -158,6 +158,31 @@ def test_zeros_within_a_step_are_found_with_a_bound_of_the_rate_and_missed_witho
 
 
 @pytest.mark.parametrize("ensemble", [False, True])
+@pytest.mark.parametrize("direction", [0, 1, -1])
+def test_all_zeros_within_a_step_are_found_with_a_bound_of_the_rate(direction, ensemble):
+    """Three in a step, where the sign has changed at its end; and two in one that begins with a zero."""
+
+    def wave(t, x):
+        return np.sin(30.0 * t + 0.0 * x[0])
+
+    def cubic(t, x):
+        return (t - 0.25) * (t - 0.3) * (t - 0.35) + 0.0 * x[0]
+
+    options = {"step": 0.25, "method": "velocity-verlet", "progress": False}
+    options["events"] = [with_attributes(f, direction=direction, rate_bound=30.1) for f in (wave, cubic)]
+    if ensemble:
+        sol = kd.solve_ensemble(lambda x: -x, (0.0, 2.0), np.ones((9, 1)), np.zeros((9, 1)), **options)[8]
+    else:
+        sol = kd.solve(lambda x: -x, (0.0, 2.0), [1.0], [0.0], **options)
+    counts = np.arange(1, 20)
+    waves, cubics = np.pi / 30.0 * counts, np.array([0.25, 0.3, 0.35])
+    if direction:
+        waves, cubics = waves[(-1.0) ** counts == direction], cubics[np.array([1, -1, 1]) == direction]
+    np.testing.assert_allclose(sol.t_events[0], waves, atol=1e-13)
+    np.testing.assert_allclose(sol.t_events[1], cubics, atol=1e-13)
+
+
+@pytest.mark.parametrize("ensemble", [False, True])
 def test_a_bound_of_the_rate_that_is_refuted_ends_the_run(ensemble):
     """Zeros between steps would be missed: of 63, 5 were found."""
     blink = with_attributes(lambda t, x: np.cos(40 * t) - 0.999 + 0 * x[0], rate_bound=1.0)

@@ -24,11 +24,11 @@ from kickdrift.engine.zeros import (
     Zero,
     changes,
     find_changes,
-    hidden,
     joined_by_event,
     search,
     spent_from,
     tolerance_of,
+    with_zeros,
 )
 from kickdrift.systems.system import System
 
@@ -264,18 +264,18 @@ class Watch:
         return t, x, v, self._all_values(event, t, x, v), evaluations
 
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
-        """Return the parts of steps with a zero in the wanted direction; steps are halved where two zeros may hide."""
-        found, bound = steps.part(self._crosses(event, steps)), self.events[event].rate_bound
+        """Return the parts of steps with a zero in the wanted direction; steps are halved where more zeros may hide."""
+        bound = self.events[event].rate_bound
         if bound is None:
-            return found
+            return steps.part(self._crosses(event, steps))
 
         def value_at(which: NDArray[np.intp], left: Brackets, share: Floats) -> Floats:
             *_, values, own = self._ask(event, left, share)
             self._spent.append((left.t, own))
             return values
 
-        halves, _ = hidden(steps, bound, value_at)
-        return found.joined(halves.part(self._crosses(event, halves)))
+        parts, _ = with_zeros(steps, bound, value_at)
+        return parts.part(self._crosses(event, parts))
 
     def _crosses(self, event: int, parts: Brackets) -> NDArray[np.bool_]:
         """Return where an event changes its sign in its direction."""
