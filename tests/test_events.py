@@ -135,6 +135,32 @@ def test_the_force_evaluations_of_a_run_that_an_event_ends_depend_on_no_chunk(bo
     assert counts[0] == counts[1]
 
 
+@pytest.mark.parametrize("bounces", [False, True])
+def test_nor_where_it_ends_between_steps_or_impacts(bounces, monkeypatch):
+    """In the next step another event has a zero; a ball bounces there more than once in a step."""
+    stop, other = with_attributes(lambda t: t - 0.75, terminal=True), with_attributes(lambda t: t - 0.8)
+    events = [stop, with_attributes(lambda x: x, rate_bound=20.0) if bounces else other]
+    options = {"impacts": kd.Impacts(lambda x: x, restitution=0.9)} if bounces else {}
+    step, height = (0.05, 0.01) if bounces else (0.25, 1.0)
+    counts = []
+    for size in (1, 3, 10_000):
+        monkeypatch.setattr(run, "next_chunk", lambda *_, size=size: size)
+        sol = kd.solve(
+            lambda x: -9.81,
+            (0.0, 2.0),
+            height,
+            0.0,
+            step=step,
+            method="velocity-verlet",
+            events=events,
+            **options,
+            **QUIET,
+        )
+        assert sol.t[-1] == pytest.approx(0.75, abs=1e-12)
+        counts.append(sol.n_force_evaluations)
+    assert len(set(counts)) == 1
+
+
 def test_the_first_of_two_ends_in_a_step_counts():
     early = with_attributes(lambda t: t - 0.52, terminal=True)
     late = with_attributes(lambda t: t - 0.58, terminal=True)

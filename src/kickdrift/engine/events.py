@@ -37,6 +37,7 @@ Floats = NDArray[np.float64]
 _NUMBERS = 1 << 16  # of states that are kept until functions are evaluated there
 # fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
 _MOST_ROWS = 1 << 14
+_NEAR = 1e-9  # of a step: what ends a run so soon after the step before ends it with that
 
 
 def watch_for(
@@ -151,7 +152,7 @@ class Watch:
         self._search_due()
         stop, failure = self._stop(), ""
         if stop is not None:
-            near = 1e-9 * np.diff(t, prepend=t[0] - (t[1] - t[0]))
+            near = _NEAR * np.diff(t, prepend=t[0] - (t[1] - t[0]))
             before_it = int(np.searchsorted(self._sign * (t + near), self._sign * stop.t, side="left")) - 1
             steps = min(steps, max(before_it, 0))
             last, sign = float(t[steps]), self._sign
@@ -232,7 +233,8 @@ class Watch:
         """
         sign, found = self._sign, list(self._zeros)
         for k, brackets in joined_by_event(self._waiting):
-            found += self._search(k, brackets.part(sign * brackets.t <= sign * end))
+            before = sign * (brackets.t + _NEAR * brackets.size) < sign * end
+            found += self._search(k, brackets.part(before))
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
 
@@ -250,7 +252,8 @@ class Watch:
     def _from_the_middle(self, event: int, steps: Brackets, which: NDArray[np.intp]) -> Brackets:
         """Begin some steps in their middle."""
         assert self._surfaces is not None
-        t, x, v, values, _ = self._ask(event, steps.part(which), np.full(which.size, 0.5))
+        t, x, v, values, own = self._ask(event, steps.part(which), np.full(which.size, 0.5))
+        self._spent.append((steps.t[which], own))
         begin, first = steps.begin.copy(), steps.first.copy()
         begin[which], first[which] = 0.5, self._surfaces.rounded(partial(self._values, event), values, t, x, v)
         return steps._replace(begin=begin, first=first)
