@@ -147,8 +147,7 @@ class Watch:
             if strikes is not None:
                 self._strike(k, strikes, brackets, value[strikes.steps + 1])
                 brackets = brackets.part(strikes.others)
-            if brackets.t.size:
-                self._note(k, self._bracketed(k, brackets))
+            self._note(k, self._bracketed(k, brackets))
         self._search_due()
         stop, failure = self._stop(), ""
         if stop is not None:
@@ -233,8 +232,7 @@ class Watch:
         """
         sign, found = self._sign, list(self._zeros)
         for k, brackets in joined_by_event(self._waiting):
-            before = sign * (brackets.t + _NEAR * brackets.size) < sign * end
-            found += self._search(k, brackets.part(before))
+            found += self._search(k, brackets.part(sign * (brackets.t + _NEAR * brackets.size) < sign * end))
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
 

@@ -156,13 +156,11 @@ class WatchedMembers:
         of = of[inside[of]]
         if own.rate_bound is not None:
             near = np.abs(values[:-1]) + np.abs(values[1:]) <= (1.0 + 1e-9) * own.rate_bound * abs(self._grid.step)
-            near[of] = True
-            self._look_closer(event, *steps_at(np.flatnonzero(near & inside[:-1])))
+            self._look_closer(event, *steps_at(np.union1d(of, np.flatnonzero(near & inside[:-1]))))
         if own.direction != 0.0:
             of = of[(values[of] < 0.0) == (own.direction > 0.0)]
         member, brackets = steps_at(of)
-        if own.rate_bound is None:
-            self._brackets[event].append((member, brackets))
+        self._brackets[event] += [(member, brackets)] if own.rate_bound is None else []
         if own.terminal:
             order = np.arange(of.size) - np.searchsorted(member, member) + self._counts[event, member]
             ends = order == own.terminal - 1
