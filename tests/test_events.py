@@ -135,6 +135,32 @@ def test_the_force_evaluations_of_a_run_that_an_event_ends_depend_on_no_chunk(bo
     assert counts[0] == counts[1]
 
 
+@pytest.mark.parametrize("bounces", [False, True])
+def test_nor_where_it_ends_between_steps_or_impacts(bounces, monkeypatch):
+    """In the next step another event has a zero; a ball bounces there more than once in a step."""
+    stop, other = with_attributes(lambda t: t - 0.75, terminal=True), with_attributes(lambda t: t - 0.8)
+    events = [stop, with_attributes(lambda x: x, rate_bound=20.0) if bounces else other]
+    options = {"impacts": kd.Impacts(lambda x: x, restitution=0.9)} if bounces else {}
+    step, height = (0.05, 0.01) if bounces else (0.25, 1.0)
+    counts = []
+    for size in (1, 3, 10_000):
+        monkeypatch.setattr(run, "next_chunk", lambda *_, size=size: size)
+        sol = kd.solve(
+            lambda x: -9.81,
+            (0.0, 2.0),
+            height,
+            0.0,
+            step=step,
+            method="velocity-verlet",
+            events=events,
+            **options,
+            **QUIET,
+        )
+        assert sol.t[-1] == pytest.approx(0.75, abs=1e-12)
+        counts.append(sol.n_force_evaluations)
+    assert len(set(counts)) == 1
+
+
 def test_the_first_of_two_ends_in_a_step_counts():
     early = with_attributes(lambda t: t - 0.52, terminal=True)
     late = with_attributes(lambda t: t - 0.58, terminal=True)
@@ -155,6 +181,31 @@ def test_zeros_within_a_step_are_found_with_a_bound_of_the_rate_and_missed_witho
     down = with_attributes(lambda t, x: dip(t, x), rate_bound=1.1, direction=-1)
     sol = kd.solve(lambda x: -x, (0.0, 1.0), 1.0, 0.0, events=down, **options)
     np.testing.assert_allclose(sol.t_events[0], [0.52], atol=1e-13)
+
+
+@pytest.mark.parametrize("ensemble", [False, True])
+@pytest.mark.parametrize("direction", [0, 1, -1])
+def test_all_zeros_within_a_step_are_found_with_a_bound_of_the_rate(direction, ensemble):
+    """Three in a step, where the sign has changed at its end; and two in one that begins with a zero."""
+
+    def wave(t, x):
+        return np.sin(30.0 * t + 0.0 * x[0])
+
+    def cubic(t, x):
+        return (t - 0.25) * (t - 0.3) * (t - 0.35) + 0.0 * x[0]
+
+    options = {"step": 0.25, "method": "velocity-verlet", "progress": False}
+    options["events"] = [with_attributes(f, direction=direction, rate_bound=30.1) for f in (wave, cubic)]
+    if ensemble:
+        sol = kd.solve_ensemble(lambda x: -x, (0.0, 2.0), np.ones((9, 1)), np.zeros((9, 1)), **options)[8]
+    else:
+        sol = kd.solve(lambda x: -x, (0.0, 2.0), [1.0], [0.0], **options)
+    counts = np.arange(1, 20)
+    waves, cubics = np.pi / 30.0 * counts, np.array([0.25, 0.3, 0.35])
+    if direction:
+        waves, cubics = waves[(-1.0) ** counts == direction], cubics[np.array([1, -1, 1]) == direction]
+    np.testing.assert_allclose(sol.t_events[0], waves, atol=1e-13)
+    np.testing.assert_allclose(sol.t_events[1], cubics, atol=1e-13)
 
 
 @pytest.mark.parametrize("ensemble", [False, True])

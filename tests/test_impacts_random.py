@@ -110,3 +110,19 @@ def test_walls_that_shake(seed):
     assert sol.success
     assert (sol.x - width * np.sin(rate * sol.t)).min() > -1e-10
     assert sol.n_rejected < 50_000
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_rough_floors_that_shake(seed):
+    """A body stays where it lies: the speed of a floor is no slip along it."""
+    random = np.random.default_rng(seed)
+    height, rate, friction, place = 0.05, random.uniform(0.5, 4.0), random.uniform(0.1, 1.5), random.normal()
+    floor = kd.Impacts(lambda t, x: x[1] - height * np.sin(rate * t), restitution=0.0, friction=friction)
+    sol = kd.solve(
+        lambda x: np.array([0.0, -9.81]), (0, 10.0), [place, 0.0], [0, height * rate],
+        step=random.choice([0.01, 0.05]), method="velocity-verlet", impacts=floor,
+    )  # fmt: skip
+    assert sol.success
+    assert (sol.x[:, 0] == place).all()
+    np.testing.assert_allclose(sol.x[:, 1], height * np.sin(rate * sol.t), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(sol.v, np.outer(np.cos(rate * sol.t), [0, height * rate]), rtol=0, atol=1e-9)

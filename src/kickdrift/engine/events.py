@@ -24,11 +24,11 @@ from kickdrift.engine.zeros import (
     Zero,
     changes,
     find_changes,
-    hidden,
     joined_by_event,
     search,
     spent_from,
     tolerance_of,
+    with_zeros,
 )
 from kickdrift.systems.system import System
 
@@ -37,6 +37,7 @@ Floats = NDArray[np.float64]
 _NUMBERS = 1 << 16  # of states that are kept until functions are evaluated there
 # fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
 _MOST_ROWS = 1 << 14
+_NEAR = 1e-9  # of a step: what ends a run so soon after the step before ends it with that
 
 
 def watch_for(
@@ -146,12 +147,11 @@ class Watch:
             if strikes is not None:
                 self._strike(k, strikes, brackets, value[strikes.steps + 1])
                 brackets = brackets.part(strikes.others)
-            if brackets.t.size:
-                self._note(k, self._bracketed(k, brackets))
+            self._note(k, self._bracketed(k, brackets))
         self._search_due()
         stop, failure = self._stop(), ""
         if stop is not None:
-            near = 1e-9 * np.diff(t, prepend=t[0] - (t[1] - t[0]))
+            near = _NEAR * np.diff(t, prepend=t[0] - (t[1] - t[0]))
             before_it = int(np.searchsorted(self._sign * (t + near), self._sign * stop.t, side="left")) - 1
             steps = min(steps, max(before_it, 0))
             last, sign = float(t[steps]), self._sign
@@ -232,7 +232,7 @@ class Watch:
         """
         sign, found = self._sign, list(self._zeros)
         for k, brackets in joined_by_event(self._waiting):
-            found += self._search(k, brackets.part(sign * brackets.t <= sign * end))
+            found += self._search(k, brackets.part(sign * (brackets.t + _NEAR * brackets.size) < sign * end))
         found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
         return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
 
@@ -250,7 +250,8 @@ class Watch:
     def _from_the_middle(self, event: int, steps: Brackets, which: NDArray[np.intp]) -> Brackets:
         """Begin some steps in their middle."""
         assert self._surfaces is not None
-        t, x, v, values, _ = self._ask(event, steps.part(which), np.full(which.size, 0.5))
+        t, x, v, values, own = self._ask(event, steps.part(which), np.full(which.size, 0.5))
+        self._spent.append((steps.t[which], own))
         begin, first = steps.begin.copy(), steps.first.copy()
         begin[which], first[which] = 0.5, self._surfaces.rounded(partial(self._values, event), values, t, x, v)
         return steps._replace(begin=begin, first=first)
@@ -264,18 +265,18 @@ class Watch:
         return t, x, v, self._all_values(event, t, x, v), evaluations
 
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
-        """Return the parts of steps with a zero in the wanted direction; steps are halved where two zeros may hide."""
-        found, bound = steps.part(self._crosses(event, steps)), self.events[event].rate_bound
+        """Return the parts of steps with a zero in the wanted direction; steps are halved where more zeros may hide."""
+        bound = self.events[event].rate_bound
         if bound is None:
-            return found
+            return steps.part(self._crosses(event, steps))
 
         def value_at(which: NDArray[np.intp], left: Brackets, share: Floats) -> Floats:
             *_, values, own = self._ask(event, left, share)
             self._spent.append((left.t, own))
             return values
 
-        halves, _ = hidden(steps, bound, value_at)
-        return found.joined(halves.part(self._crosses(event, halves)))
+        parts, _ = with_zeros(steps, bound, value_at)
+        return parts.part(self._crosses(event, parts))
 
     def _crosses(self, event: int, parts: Brackets) -> NDArray[np.bool_]:
         """Return where an event changes its sign in its direction."""

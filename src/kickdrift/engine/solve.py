@@ -97,10 +97,10 @@ def solve(
         Functions of the state, with arguments named as those of forces, whose zeros are located: ``solution.t_events`` and
         the states there, as accurate as the method. Attributes select zeros: a positive ``direction`` those of increasing
         functions, a negative one of decreasing ones; ``terminal``, True or a number, ends the run at the first or that zero;
-        with ``rate_bound``, a bound on the rate of change, two zeros within a step are found, too, if they are more than
-        1/256 of it apart; a run in which a function changes faster than that ends. A zero at the start does not count. A
-        function that jumps over zero in an impact has a zero there, and so has a gap that closes in one. The states are
-        those after the impact.
+        with ``rate_bound``, a bound on the rate of change, all zeros within a step are found that are more than 1/256 of it
+        apart; a run in which a function changes faster than that ends. A zero at the start does not count. A function that
+        jumps over zero in an impact has a zero there, and so has a gap that closes in one. The states are those after the
+        impact.
     impacts : Impacts or callable, optional
         Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
     switches : callable, optional

@@ -18,7 +18,7 @@ from kickdrift.engine.grid import Grid
 from kickdrift.engine.in_turn import Members, states_wanted
 from kickdrift.engine.processing import Processing
 from kickdrift.engine.quantities import evaluate_quantity
-from kickdrift.engine.zeros import Brackets, find_changes, hidden, search, tolerance_of, too_fast
+from kickdrift.engine.zeros import Brackets, find_changes, search, tolerance_of, too_fast, with_zeros
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -156,11 +156,11 @@ class WatchedMembers:
         of = of[inside[of]]
         if own.rate_bound is not None:
             near = np.abs(values[:-1]) + np.abs(values[1:]) <= (1.0 + 1e-9) * own.rate_bound * abs(self._grid.step)
-            self._look_closer(event, *steps_at(np.flatnonzero(near & inside[:-1])))
+            self._look_closer(event, *steps_at(np.union1d(of, np.flatnonzero(near & inside[:-1]))))
         if own.direction != 0.0:
             of = of[(values[of] < 0.0) == (own.direction > 0.0)]
         member, brackets = steps_at(of)
-        self._brackets[event].append((member, brackets))
+        self._brackets[event] += [(member, brackets)] if own.rate_bound is None else []
         if own.terminal:
             order = np.arange(of.size) - np.searchsorted(member, member) + self._counts[event, member]
             ends = order == own.terminal - 1
@@ -169,7 +169,7 @@ class WatchedMembers:
             self._counts[event] += np.bincount(member, minlength=len(self._good))
 
     def _look_closer(self, event: int, member: Integers, steps: Brackets) -> None:
-        """Note the parts of steps in which an event passes through zero, and back in the same step."""
+        """Note the parts of steps in which an event changes its sign, each with one zero."""
         direction, bound = self._events[event].direction, self._events[event].rate_bound
         assert bound is not None
 
@@ -178,7 +178,7 @@ class WatchedMembers:
             np.add.at(self._spent, member[which], spent)
             return values
 
-        parts, of = hidden(steps, bound, value_at)
+        parts, of = with_zeros(steps, bound, value_at)
         wanted = np.flatnonzero((direction == 0.0) | ((parts.first < 0.0) == (direction > 0.0)))
         self._brackets[event].append((member[of[wanted]], parts.part(wanted)))
 

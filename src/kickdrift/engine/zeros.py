@@ -10,7 +10,7 @@ from kickdrift.core.compilation import compiled
 
 Floats = NDArray[np.float64]
 
-# Of a step in which a function may pass through zero and back. One that stays near zero is evaluated at 256 parts of each step.
+# Of a step in which a function may turn near zero. One that stays near zero is evaluated at 256 parts of each step.
 _HALVINGS = 8
 _ROUNDS = 100  # iterations of root finding, of which at least one in three halves the interval
 
@@ -98,10 +98,10 @@ def too_fast(t: Floats, values: Floats, bound: float) -> NDArray[np.bool_]:
         return np.asarray(np.abs(np.diff(values)) > (1.0 + 1e-6) * way + 1e-12 * np.abs(values[..., 1:]))
 
 
-def hidden(
+def with_zeros(
     steps: Brackets, bound: float, value_at: Callable[[NDArray[np.intp], Brackets, Floats], Floats]
 ) -> tuple[Brackets, NDArray[np.intp]]:
-    """Find the parts of steps with a zero where a function passes through zero and back, by halves.
+    """Find the parts of steps in which a function changes its sign, by halves, each with one zero.
 
     Parameters
     ----------
@@ -117,22 +117,23 @@ def hidden(
     which : array of int
         The steps of which they are parts.
     """
-    which = np.flatnonzero(~changes(steps))
-    left, found = steps.part(which), [(steps.part(which[:0]), which[:0])]
+    which, parts = np.arange(steps.t.size), steps
+    done = []
     for _ in range(_HALVINGS):
-        way = bound * np.abs(left.size) * (left.end - left.begin)
-        near = (np.abs(left.first) + np.abs(left.last) <= way) & (left.first != 0.0) & (left.last != 0.0)
-        which, left = which[near], left.part(near)
+        way = bound * np.abs(parts.size) * (parts.end - parts.begin)
+        rests = (parts.first == 0.0) & (parts.last == 0.0)
+        near = (np.abs(parts.first) + np.abs(parts.last) <= way) & ~rests  # it may turn there
+        done.append((parts.part(~near), which[~near]))
+        which, parts = which[near], parts.part(near)
         if not which.size:
             break
-        middle = 0.5 * (left.begin + left.end)
-        value = value_at(which, left, middle)
-        halves = left._replace(end=middle, last=value).joined(left._replace(begin=middle, first=value))
-        which, changed = np.concatenate((which, which)), changes(halves)
-        found.append((halves.part(changed), which[changed]))
-        which, left = which[~changed], halves.part(~changed)
-    parts, indices = zip(*found, strict=True)
-    return Brackets.joined(*parts), np.concatenate(indices)
+        middle = 0.5 * (parts.begin + parts.end)
+        value = value_at(which, parts, middle)
+        parts = parts._replace(end=middle, last=value).joined(parts._replace(begin=middle, first=value))
+        which = np.concatenate((which, which))
+    parts, which = parts.joined(*(own for own, _ in done)), np.concatenate((which, *(of for _, of in done)))
+    changed = changes(parts)
+    return parts.part(changed), which[changed]
 
 
 def joined_by_event(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:

@@ -46,14 +46,16 @@ def along(k: int, a: Floats, b: Floats, work: Floats) -> float:
     """Return the scalar product of the tangential parts of two velocities at a listed gap."""
     slopes, total, size = gradient(k, a.size, work), 0.0, int(own_params(work)[BODY_SIZE])
     for first in range(0, a.size, size):
-        length, across_a, across_b, product = 0.0, 0.0, 0.0, 0.0
+        length, across_a, across_b = 0.0, 0.0, 0.0
         for i in range(first, first + size):
             length += slopes[i] * slopes[i]
             across_a += slopes[i] * a[i]
             across_b += slopes[i] * b[i]
-            product += a[i] * b[i]
-        if length > 0.0:
-            total += product - across_a * across_b / length
+        if (
+            length > 0.0
+        ):  # the difference of the products would round to a slip of 1e-8 of the speed of a surface that moves
+            for i in range(first, first + size):
+                total += (a[i] - across_a * slopes[i] / length) * (b[i] - across_b * slopes[i] / length)
     return total
 
 
