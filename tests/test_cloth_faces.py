@@ -208,3 +208,22 @@ def test_bodies_of_a_planar_world_stay_in_its_plane_where_sheets_push_or_pull_th
     assert ball.position[2] < 0.6
     assert ball.position[1] == pytest.approx(0.02, abs=1e-15)
     assert ball.velocity[1] == 0.0
+
+
+@pytest.mark.parametrize(("thickness", "radius", "speed"), [(0.004, 0.05, 10.0), (0.01, 0.1, 5.0)])
+def test_a_capsule_does_not_press_a_sheet_into_the_floor_by_many_triangles(thickness, radius, speed):
+    world = kd.World()
+    world.add_plane()
+    sheet = world.add_cloth_grid(
+        (1.0, 1.0), (13, 13), position=(0, 0, 0.5 * thickness), density=1.0, thickness=thickness,
+        stretch_stiffness=100.0, shear_stiffness=20.0, damping=1e-3,
+    )  # fmt: skip
+    world.add_capsule(
+        radius, 0.2, position=(0.02, 0.03, radius + 0.2), orientation=(0.7071, 0.7071, 0, 0), mass=5.0, velocity=(1, 0, -speed)
+    )  # fmt: skip
+    lowest = 0.0
+    for _ in range(24):
+        world.advance(1 / 30, 1)
+        lowest = min(lowest, sheet.position[:, 2].min())
+    # It lies on the floor itself, which leaves no room for the sheet. When each triangle pushed for itself, -7 thicknesses.
+    assert lowest > -2.0 * thickness

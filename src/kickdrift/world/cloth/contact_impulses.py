@@ -6,11 +6,11 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.body_impulses import mutual_response, push_body
 from kickdrift.world.cloth.contact_lanes import resolve_lanes
-from kickdrift.world.cloth.contact_rows import add_shares, shares_of
+from kickdrift.world.cloth.contact_rows import add_shares, gap_of, shares_of
 from kickdrift.world.cloth.held_corners import corner_velocity, is_held, push_holders, response_with_holders
 from kickdrift.world.cloth.layout import (
-    CLOTH_GAP,
     CLOTH_NORMAL,
+    CLOTH_OFFSET,
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     FIRST_CONTACT,
@@ -59,10 +59,10 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         integers(world, CLOTH)[cloth, LAST_CONTACT],
     )
     numbers, particle = floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PARTICLE)
-    row, shared = first, False
+    row, shared, advance = first, False, min(part, left)
     while row < last:
         if contact[row, IN_LANES] != 0:
-            resolve_lanes(contact, numbers, particle, row, part, push)
+            resolve_lanes(contact, numbers, particle, row, part, push, advance)
         else:
             shared = shared or contact[row, OTHER_PARTICLE] != contact[row, TOUCHING_PARTICLE]
             _begin(world, row, part * push, left)
@@ -73,7 +73,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
-            _advance_gap(world, row, part)
+            _advance(world, row, advance)
         row = _after(contact, row)
 
 
@@ -109,13 +109,12 @@ def _begin(world: int, row: int, most: float, left: float) -> None:
     No particle moves by more than `most`, beside a pinned one either. Points that cannot move leave a body as deep as it is.
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    particle, gap, n = floats(world, PARTICLE), numbers[row, CLOTH_GAP], vector_at(numbers, row, CLOTH_NORMAL)
+    particle, gap, n = floats(world, PARTICLE), gap_of(world, row), vector_at(numbers, row, CLOTH_NORMAL)
     if gap >= 0.0 and numbers[row, CONTACT_IMPULSE] == 0.0:
         return
     corners, share, by, inverse_mass = shares_of(world, row)
     if gap < 0.0 and inverse_mass > 0.0:
         out = min(-gap, most * inverse_mass / max(by[0], by[1], by[2]))
-        numbers[row, CLOTH_GAP] = gap + out
         add_shares(particle, corners, 0, by, times(out / inverse_mass, n))
     impulse = plus(times(numbers[row, CONTACT_IMPULSE], n), vector_at(numbers, row, CONTACT_IMPULSE + 1))
     add_shares(particle, corners, PARTICLE_VELOCITY, by, impulse)
@@ -125,16 +124,26 @@ def _begin(world: int, row: int, most: float, left: float) -> None:
     push_holders(world, row, share, impulse, left)
 
 
-@compiled
-def _velocity(world: int, row: int) -> Vector:
-    """Return the velocity of a point relative to the surface that it touches."""
-    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    motion, body, share = floats(world, MOTION), contact[row, TOUCHED_BODY], vector_at(numbers, row, SHARES)
-    ground = vector_at(numbers, row, GROUND_VELOCITY)
+@compiled(inline=True)
+def _ground_velocity(world: int, row: int) -> Vector:
+    """Return the velocity of the surface of a contact."""
+    contact, numbers, motion = (
+        integers(world, CLOTH_CONTACT),
+        floats(world, CLOTH_CONTACT_NUMBERS),
+        floats(world, MOTION),
+    )
+    body, ground = contact[row, TOUCHED_BODY], vector_at(numbers, row, GROUND_VELOCITY)
     if contact[row, MOVES_BODY] != 0:
         turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), vector_at(numbers, row, TOUCHED_POINT))
         ground = plus(plus(vector_at(motion, body, VELOCITY), turn), ground)
-    v = minus(times(share[0], corner_velocity(world, row, 0)), ground)
+    return ground
+
+
+@compiled
+def _velocity(world: int, row: int) -> Vector:
+    """Return the velocity of a point relative to the surface that it touches."""
+    share = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, SHARES)
+    v = minus(times(share[0], corner_velocity(world, row, 0)), _ground_velocity(world, row))
     v = plus(v, times(share[1], corner_velocity(world, row, 1)))
     return plus(v, times(share[2], corner_velocity(world, row, 2)))
 
@@ -146,7 +155,7 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
     corners, share, by, inverse_mass = shares_of(world, row)
     n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
     v = _velocity(world, row)
-    approach, wanted = dot(n, v), -max(numbers[row, CLOTH_GAP], 0.0) / part
+    approach, wanted = dot(n, v), -max(gap_of(world, row), 0.0) / part
     before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
     now = before + (wanted - approach) / (inverse_mass + _response(world, row, n))
     now = max(now, 0.0)
@@ -173,11 +182,11 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
 
 
 @compiled
-def _advance_gap(world: int, row: int, part: float) -> None:
-    """Let the gap of a contact change in a part with the velocity that its point has."""
+def _advance(world: int, row: int, time: float) -> None:
+    """Move the surface of a contact on for a time, s."""
     numbers = floats(world, CLOTH_CONTACT_NUMBERS)
-    approach = dot(vector_at(numbers, row, CLOTH_NORMAL), _velocity(world, row))
-    numbers[row, CLOTH_GAP] += part * approach
+    speed = dot(vector_at(numbers, row, CLOTH_NORMAL), _ground_velocity(world, row))
+    numbers[row, CLOTH_OFFSET] += time * speed
 
 
 @compiled

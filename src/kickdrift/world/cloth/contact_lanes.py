@@ -9,8 +9,8 @@ from numba.extending import intrinsic
 
 from kickdrift.world.cloth.lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, plus, same, vector_pointer
 from kickdrift.world.cloth.layout import (
-    CLOTH_GAP,
     CLOTH_NORMAL,
+    CLOTH_OFFSET,
     CONTACT_FRICTION,
     GROUND_VELOCITY,
     PARTICLE_VELOCITY,
@@ -24,23 +24,25 @@ _TINY = 1e-300
 
 
 @intrinsic
-def resolve_lanes(context: Any, contacts: Any, numbers: Any, particles: Any, row: Any, part: Any, push: Any) -> Any:
+def resolve_lanes(
+    context: Any, contacts: Any, numbers: Any, particles: Any, row: Any, part: Any, push: Any, advance: Any
+) -> Any:
     """Resolve eight contacts, from a row on, of different particles: mass does not matter where no body is moved."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         contacts, numbers, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
-        row, part, push = values[3], same(builder, values[4]), same(builder, values[5])
+        row, (part, push, advance) = values[3], (same(builder, value) for value in values[4:7])
         places = [_row_of(builder, contacts, row, lane) for lane in range(WIDTH)]
         number, own = (
             _fields(builder, table, of) for table, of in ((numbers, _rows(builder, row)), (particles, places))
         )
         zero, n = Lanes(builder, ir.Constant(VECTOR, None)), [number[CLOTH_NORMAL + k] for k in range(3)]
-        v = [own[PARTICLE_VELOCITY + k] - number[GROUND_VELOCITY + k] for k in range(3)]
-        approach, gap = dot(n, v), number[CLOTH_GAP]
+        ground = [number[GROUND_VELOCITY + k] for k in range(3)]
+        v = [own[PARTICLE_VELOCITY + k] - ground[k] for k in range(3)]
+        approach, gap = dot(n, v), dot(n, own[:3]) - number[CLOTH_OFFSET]
         out = _larger(_smaller(zero - gap, part * push), zero)
-        gap += out
-        wanted = zero - _larger(gap, zero) / part
-        _put_gaps(builder, numbers, row, gap + part * _larger(approach, wanted))
+        wanted = zero - _larger(gap + out, zero) / part
+        _put_offsets(builder, numbers, row, number[CLOTH_OFFSET] + advance * dot(n, ground))
         more = _larger(wanted - approach, zero)
         slip = [v[k] - approach * n[k] for k in range(3)]
         speed = dot(slip, slip).root()
@@ -55,7 +57,7 @@ def resolve_lanes(context: Any, contacts: Any, numbers: Any, particles: Any, row
                 builder.store(values_, vector_pointer(builder, particles, place), align=8)
         return context.get_dummy_value()
 
-    return types.none(contacts, numbers, particles, types.int64, types.float64, types.float64), generate
+    return types.none(contacts, numbers, particles, types.int64, *3 * [types.float64]), generate
 
 
 def _row_of(builder: Any, contacts: Any, row: Any, lane: int) -> Any:
@@ -76,10 +78,10 @@ def _fields(builder: Any, table: Any, places: Sequence[Any]) -> list[Lanes]:
     return [Lanes(builder, field) for field in transposed(builder, rows)]
 
 
-def _put_gaps(builder: Any, numbers: Any, row: Any, gaps: Lanes) -> None:
+def _put_offsets(builder: Any, numbers: Any, row: Any, offsets: Lanes) -> None:
     for lane, place in enumerate(_rows(builder, row)):
-        gap = builder.extract_element(gaps.value, ir.IntType(32)(lane))
-        builder.store(gap, builder.gep(numbers, [plus(builder, place, CLOTH_GAP)]))
+        offset = builder.extract_element(offsets.value, ir.IntType(32)(lane))
+        builder.store(offset, builder.gep(numbers, [plus(builder, place, CLOTH_OFFSET)]))
 
 
 def _larger(a: Lanes, b: Lanes) -> Lanes:

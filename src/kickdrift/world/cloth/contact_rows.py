@@ -20,8 +20,8 @@ from kickdrift.core.vectors import (
 from kickdrift.world.cloth.held_corners import Corners, pin_of
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
-    CLOTH_GAP,
     CLOTH_NORMAL,
+    CLOTH_OFFSET,
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     CONTACT_RADIUS,
@@ -144,11 +144,13 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
     if not moves:
         runs = plus(runs, velocity_at(world, shape, point, h))
-    numbers[row, CLOTH_GAP], numbers[row, CONTACT_FRICTION] = gap, friction
+    numbers[row, CONTACT_FRICTION] = friction
     numbers[row, CONTACT_RADIUS] = flat(world, GEOMETRY)[shapes[shape, BEGIN]] if is_round(world, shape) else 0.0
     for k in range(3):
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
+    numbers[row, CLOTH_OFFSET] = 0.0
+    numbers[row, CLOTH_OFFSET] = gap_of(world, row) - gap
     for k in range(4):
         numbers[row, CONTACT_IMPULSE + k] = 0.0
     return True
@@ -175,6 +177,22 @@ def shares_of(world: int, row: int) -> tuple[Corners, Vector, Vector, float]:
         share[2] * particle[corners[2], PARTICLE_INVERSE_MASS],
     )
     return corners, share, by, dot(share, by)
+
+
+@compiled(inline=True)
+def gap_of(world: int, row: int) -> float:
+    """Return the gap of a contact, m, wherever its particles have been moved to since it was found."""
+    contact, numbers, particle = (
+        integers(world, CLOTH_CONTACT),
+        floats(world, CLOTH_CONTACT_NUMBERS),
+        floats(world, PARTICLE),
+    )
+    share = vector_at(numbers, row, SHARES)
+    p = times(share[0], vector_at(particle, contact[row, TOUCHING_PARTICLE], 0))
+    p = plus(p, times(share[1], vector_at(particle, contact[row, OTHER_PARTICLE], 0)))
+    p = plus(p, times(share[2], vector_at(particle, contact[row, THIRD_PARTICLE], 0)))
+    gap: float = dot(vector_at(numbers, row, CLOTH_NORMAL), p) - numbers[row, CLOTH_OFFSET]
+    return gap
 
 
 @compiled(inline=True)

@@ -159,7 +159,7 @@ HELD_BY = column(CLOTH_CONTACT, 3)  # the pins of the corners to bodies: see `ki
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
-CLOTH_GAP = column(CLOTH_CONTACT_NUMBERS, 1, "m")
+CLOTH_OFFSET = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # the normal times the position at which the point touches
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 # Surface velocity of the shape; relative to its body if MOVES_BODY
 GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
@@ -249,7 +249,7 @@ NOT_LAID = -1.0
 
 # ZONE
 IN_ZONE = column(ZONE)  # parent in the disjoint sets of particles
-IS_TANGLED = column(ZONE)  # 1 if a triangle of it crosses another one
+IS_TANGLED = column(ZONE)  # number of pairs of triangles that cross, one of which is of it
 IS_STRAY = column(ZONE)  # 1 if it has left its predicted path, so that its pairs are sought again
 STAR = column(ZONE)  # whether the triangles around it are flat
 NOT_KNOWN, FLAT, FOLDED = 0, 1, 2  # values of STAR

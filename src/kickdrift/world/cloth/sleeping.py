@@ -3,8 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
 from kickdrift.world.cloth.body_contacts import find_contacts
+from kickdrift.world.cloth.contact_rows import gap_of
 from kickdrift.world.cloth.layout import (
-    CLOTH_GAP,
     CLOTH_RADIUS,
     IS_ASLEEP,
     PARTICLE_VELOCITY,
@@ -22,7 +22,6 @@ from kickdrift.world.tables import (
     BODY,
     CLOTH,
     CLOTH_CONTACT,
-    CLOTH_CONTACT_NUMBERS,
     CLOTH_NUMBERS,
     PARTICLE,
     PIN,
@@ -104,10 +103,10 @@ def _is_awake(world: int, body: int) -> bool:
 @compiled
 def _wake_touched(world: int, within: float) -> None:
     """Wake bodies to which cloths are pinned, or that they touch with a gap below a fraction of half the thickness."""
-    contact, pin, numbers = integers(world, CLOTH_CONTACT), integers(world, PIN), floats(world, CLOTH_CONTACT_NUMBERS)
+    contact, pin = integers(world, CLOTH_CONTACT), integers(world, PIN)
     radius, found = floats(world, CLOTH_NUMBERS)[0, CLOTH_RADIUS], False
     for row in range(rows(world, CLOTH_CONTACT)):
-        if numbers[row, CLOTH_GAP] < within * radius:
+        if gap_of(world, row) < within * radius:
             found = _stir(world, contact[row, TOUCHED_BODY]) or found
     for k in range(rows(world, PIN)):
         found = _stir(world, pin[k, PINNED_BODY]) or found

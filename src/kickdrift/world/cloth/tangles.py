@@ -30,9 +30,9 @@ from kickdrift.world.tables import (
 )
 
 CROSSING = 2  # kind of a pair of triangles
-_SHARE = (
-    0.25  # of the speed at which things are pushed apart, for each edge; impulses in place of shifts throw sheets about
-)
+# Of the speed at which things are pushed apart: for each edge, and for all crossings of a particle together, so that a
+# crumpled sheet with a thousand crossings gains no energy. Impulses in place of shifts throw sheets about.
+_SHARE, _SHARE_OF_ALL = 0.25, 0.5
 _MISSES = -1.0
 
 
@@ -54,10 +54,11 @@ def note_crossing(world: int, f: int, g: int) -> bool:
 
 @compiled
 def tangle(world: int, f: int, g: int) -> None:
-    """Note that the corners of two triangles that cross are tangled."""
+    """Count a crossing of two triangles at their corners, which are tangled."""
     face, zone = integers(world, FACE), integers(world, ZONE)
     for k in range(3):
-        zone[face[f, CORNERS + k], IS_TANGLED] = zone[face[g, CORNERS + k], IS_TANGLED] = 1
+        zone[face[f, CORNERS + k], IS_TANGLED] += 1
+        zone[face[g, CORNERS + k], IS_TANGLED] += 1
     floats(world, CLOTH_SEARCH)[0, CROSSINGS] += 1.0
 
 
@@ -112,14 +113,18 @@ def _crossed_at(world: int, f: int, k: int, g: int) -> float:
 
 @compiled
 def untangle(world: int, row: int, distance: float) -> None:
-    """Shift two triangles, as long as they cross, by a distance for each crossing edge, m, to shorten their contour."""
+    """Shift two triangles that cross by a part of a distance for each crossing edge, m, to shorten their contour."""
     pair = integers(world, CLOTH_PAIR)
     f, g = pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1]
+    face, zone, most = integers(world, FACE), integers(world, ZONE), 1
+    for k in range(3):
+        most = max(most, zone[face[f, CORNERS + k], IS_TANGLED], zone[face[g, CORNERS + k], IS_TANGLED])
+    share = min(_SHARE, _SHARE_OF_ALL / most)
     for k in range(3):
         for first, second in ((f, g), (g, f)):
             s = _crossed_at(world, first, k, second)
             if s != _MISSES:
-                _pull_out(world, first, k, s, second, _SHARE * distance)
+                _pull_out(world, first, k, s, second, share * distance)
 
 
 @compiled
