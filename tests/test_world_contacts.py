@@ -579,3 +579,39 @@ def test_what_hits_a_thin_wall_with_its_rim_turns_and_does_not_pass_through(shap
         world.advance(STEP, 8)
         passed += [seed] if bullet.position[0] > 0.0 else []
     assert passed == []
+
+
+def test_forces_of_contacts_are_those_of_statics():
+    """Of bodies at rest: weights, friction and all forces of contacts cancel, on joints and in heaps solved directly, too."""
+    world, random = kd.World(gravity=(1.0, 0.5, -G)), np.random.default_rng(4)
+    assert world.contacts == []
+    world.add_plane(friction=0.8)
+    world.add_box((1, 1, 1), position=(0, 0, 3), static=True, sensor=True)
+    stack = [world.add_box((1, 1, 0.5), position=(0, 0, 0.25 + 0.5 * k), mass=10.0**k, friction=0.8) for k in range(4)]
+    feet = [world.add_box((0.3, 0.3, 0.3), position=(3, y, 0.15), mass=1.0, friction=0.8) for y in (-0.4, 0.4)]
+    beam = world.add_box((0.3, 1.1, 0.2), position=(3, 0, 0.4), mass=20.0)
+    for foot in feet:
+        world.add_fixed_joint(foot, beam, anchor=foot.position)
+    apart = [
+        world.add_box(random.uniform(0.2, 1.0, 3), position=(6 + 2 * k, 0, 0.5), mass=2.0, friction=0.8)
+        for k in range(4)
+    ]
+    world.advance(STEP, 600)
+    total = {body.index: body.mass * np.array((1.0, 0.5, -G)) for body in (*stack, *feet, beam, *apart)}
+    for contact in world.contacts:
+        assert len(contact.points) > 0
+        assert contact.normal == pytest.approx((0, 0, 1), abs=1e-6)
+        for body, sign in ((contact.body_a, -1.0), (contact.body_b, 1.0)):
+            if body.index in total:
+                total[body.index] += sign * contact.force
+    legs = sum(total.pop(body.index) for body in (*feet, beam))
+    assert np.abs([legs, *total.values()]).max() < 1e-5 * 1111 * G
+
+
+def test_the_force_of_a_sliding_contact_is_on_the_cone_of_friction():
+    world = kd.World()
+    world.add_plane(friction=0.3)
+    world.add_box((0.5, 0.5, 0.5), position=(0, 0, 0.25), mass=2.0, friction=0.3, velocity=(3, -4, 0))
+    world.advance(STEP, 20)
+    (contact,) = world.contacts
+    assert contact.force == pytest.approx(2.0 * G * np.array((-0.18, 0.24, 1.0)), rel=1e-3)

@@ -1,4 +1,4 @@
-"""The points of contacts in the world: where bodies press on each other, and how deeply shapes overlap."""
+"""Contacts in the world: where bodies press on each other, with which force, and how deeply shapes overlap."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -7,17 +7,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.rotations import product, turned
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BODY_ROW, ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION
-from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, POSE, SHAPE, Tables
+from kickdrift.world.settings import STEP, SUBSTEPS
+from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, POSE, SETTINGS, SHAPE, Tables
 
 Floats = NDArray[np.float64]
 _MOST = 4  # of a contact
 
 
-class _Points(NamedTuple):
-    """Points of contacts, at most one of each: on both shapes, (N, 3), m; normals; impulses, N s."""
+class Contact(NamedTuple):
+    """Two bodies that press on each other; each pair of shapes of compound bodies has its own contact.
 
+    Attributes
+    ----------
+    body_a, body_b : Body
+    points : (K, 3) array
+        Where they press on each other, up to four points, at the present poses, m.
+    normal : (3,) array
+        Unit normal, from the first body to the second.
+    force : (3,) array
+        On the second body, friction included, in the last substep, N; the first feels the opposite. Bounces are over in an
+        instant, and not included.
+    """
+
+    body_a: Body
+    body_b: Body
+    points: Floats
+    normal: Floats
+    force: Floats
+
+
+class _Points(NamedTuple):
+    """Points of contacts, at most one of each: rows of CONTACT; on both shapes, (N, 3), m; normals; impulses, N s."""
+
+    row: NDArray[np.intp]
     on_a: Floats
     on_b: Floats
     normal: Floats
@@ -30,6 +56,24 @@ def contact_points(tables: Tables) -> Floats:
     return np.concatenate([np.zeros((0, 3)), *pressing])
 
 
+def contacts(tables: Tables, bodies: Bodies) -> list[Contact]:
+    """Return the contacts whose points carry impulses, in the order in which they were found."""
+    rows, manifolds, settings = tables.array(CONTACT), tables.array(MANIFOLD), tables.array(SETTINGS)[0]
+    found: dict[int, list[tuple[Floats, Floats, float]]] = {}
+    for one in _points(tables):
+        for k in np.flatnonzero(one.impulse > 0.0):
+            point = 0.5 * (one.on_a[k] + one.on_b[k])
+            found.setdefault(int(one.row[k]), []).append((point, one.normal[k], float(one.impulse[k])))
+    made = []
+    for row, points in sorted(found.items()):
+        normal, pressed = points[0][1], sum(impulse for _, _, impulse in points)
+        impulse = pressed * normal + manifolds[row, c.FRICTION_IMPULSE : c.FRICTION_IMPULSE + 3]
+        pair = (bodies.handle(int(rows[row, body])) for body in (c.BODY_A, c.BODY_B))
+        force = impulse * (settings[SUBSTEPS] / settings[STEP])
+        made.append(Contact(*pair, np.array([point for point, _, _ in points]), normal, force))
+    return made
+
+
 def deepest_overlap(tables: Tables) -> float:
     """Measure the largest penetration of any contact, m; 0.0 if there is none."""
     depths = [np.sum(points.normal * (points.on_a - points.on_b), axis=1).max() for points in _points(tables)]
@@ -39,7 +83,7 @@ def deepest_overlap(tables: Tables) -> float:
 def _points(tables: Tables) -> Iterator[_Points]:
     """Return the first points of all contacts without sensors, then the second ones, and so on."""
     rows, manifolds = tables.array(CONTACT), tables.array(MANIFOLD)
-    solid = (rows[:, c.CONTACT_STATE] & c.SENSOR) == 0
+    solid = np.flatnonzero((rows[:, c.CONTACT_STATE] & c.SENSOR) == 0)
     rows, manifolds = rows[solid], manifolds[solid]
     at_a, turn_a = _place(tables, rows[:, c.SHAPE_A])
     at_b, turn_b = _place(tables, rows[:, c.SHAPE_B])
@@ -50,6 +94,7 @@ def _points(tables: Tables) -> Iterator[_Points]:
             return
         point = manifolds[there, c.POINT + c.POINT_SIZE * k :]
         yield _Points(
+            solid[there],
             at_a[there] + turned(turn_a[there], point[:, c.ON_A : c.ON_A + 3]),
             at_b[there] + turned(turn_b[there], point[:, c.ON_B : c.ON_B + 3]),
             normal[there],

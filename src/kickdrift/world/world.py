@@ -24,7 +24,7 @@ from kickdrift.world.cloth.adding_ropes import AddsRopes
 from kickdrift.world.cloth.adding_soft_bodies import AddsSoftBodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
-from kickdrift.world.contact_points import contact_points
+from kickdrift.world.contact_points import Contact, contact_points, contacts
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.force_functions import Force
 from kickdrift.world.forces import AppliesForces
@@ -220,6 +220,26 @@ class World(
     def touching(self) -> list[tuple[Body, Body]]:
         """Pairs of bodies that touch, each once."""
         return touching(self.tables, self.bodies)
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """Bodies that pressed on each other in the last step: where, and with which force; those of cloths are not among them.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World(gravity=(3, 0, -9.81))
+        >>> floor = world.add_plane()
+        >>> box = world.add_box((1, 1, 1), position=(0, 0, 0.5), mass=2.0)
+        >>> world.advance(1 / 60, 60)
+        >>> [
+        ...     (contact.body_b == box, len(contact.points), contact.force.round(2) + 0.0)
+        ...     for contact in world.contacts
+        ... ]
+        [(True, 4, array([-6.  ,  0.  , 19.62]))]
+        """
+        with self.tables.lock:
+            return contacts(self.tables, self.bodies)
 
     @property
     def contact_points(self) -> NDArray[np.float64]:
