@@ -68,9 +68,9 @@ def contacts(tables: Tables, bodies: Bodies) -> list[Contact]:
     for row, points in sorted(found.items()):
         normal, pressed = points[0][1], sum(impulse for _, _, impulse in points)
         impulse = pressed * normal + manifolds[row, c.FRICTION_IMPULSE : c.FRICTION_IMPULSE + 3]
-        pair = (bodies.handle(int(rows[row, body])) for body in (c.BODY_A, c.BODY_B))
+        body_a, body_b = (bodies.handle(int(rows[row, body])) for body in (c.BODY_A, c.BODY_B))
         force = impulse * (settings[SUBSTEPS] / settings[STEP])
-        made.append(Contact(*pair, np.array([point for point, _, _ in points]), normal, force))
+        made.append(Contact(body_a, body_b, np.array([point for point, _, _ in points]), normal, force))
     return made
 
 

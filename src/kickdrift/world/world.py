@@ -15,7 +15,6 @@ from kickdrift.world.arguments import choice, direction, number, vector
 from kickdrift.world.batch import BATCH_COLOURS
 from kickdrift.world.bodies.adding_shapes import AddsShapes
 from kickdrift.world.bodies.adding_surfaces import AddsSurfaces
-from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.bodies.views import BodyViews
@@ -24,8 +23,7 @@ from kickdrift.world.cloth.adding_ropes import AddsRopes
 from kickdrift.world.cloth.adding_soft_bodies import AddsSoftBodies
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
-from kickdrift.world.contact_points import Contact, contact_points, contacts
-from kickdrift.world.events import ContactEvent, events, touching
+from kickdrift.world.contact_views import ContactViews
 from kickdrift.world.force_functions import Force
 from kickdrift.world.forces import AppliesForces
 from kickdrift.world.joints.adding import AddsJoints
@@ -54,6 +52,7 @@ class World(
     DoesSteps,
     KeepsHistory,
     BodyViews,
+    ContactViews,
     AddsShapes,
     AddsSurfaces,
     AddsJoints,
@@ -210,42 +209,6 @@ class World(
         known = vars(World())
         added = {name: value for name, value in vars(self).items() if name not in known}
         return _revived, (type(self), self.snapshot(), self.threads), added or None
-
-    @property
-    def events(self) -> list[ContactEvent]:
-        """Contacts that began or ended in the last call of `step` or `advance`, in order; removing a body creates no event."""
-        return events(self.tables, self.bodies)
-
-    @property
-    def touching(self) -> list[tuple[Body, Body]]:
-        """Pairs of bodies that touch, each once."""
-        return touching(self.tables, self.bodies)
-
-    @property
-    def contacts(self) -> list[Contact]:
-        """Bodies that pressed on each other in the last step: where, and with which force; those of cloths are not among them.
-
-        Examples
-        --------
-        >>> import kickdrift as kd
-        >>> world = kd.World(gravity=(3, 0, -9.81))
-        >>> floor = world.add_plane()
-        >>> box = world.add_box((1, 1, 1), position=(0, 0, 0.5), mass=2.0)
-        >>> world.advance(1 / 60, 60)
-        >>> [
-        ...     (contact.body_b == box, len(contact.points), contact.force.round(2) + 0.0)
-        ...     for contact in world.contacts
-        ... ]
-        [(True, 4, array([-6.  ,  0.  , 19.62]))]
-        """
-        with self.tables.lock:
-            return contacts(self.tables, self.bodies)
-
-    @property
-    def contact_points(self) -> NDArray[np.float64]:
-        """Points at which bodies pressed on each other in the last step, (P, 3), m; those of cloths are not among them."""
-        with self.tables.lock:
-            return contact_points(self.tables)
 
     def step(self, step: float) -> None:
         """Do one step.

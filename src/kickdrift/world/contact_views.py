@@ -1,0 +1,50 @@
+"""The contacts of a world as its users see them."""
+
+from kickdrift.world.bodies.handle import Body
+from kickdrift.world.bodies.registry import Bodies
+from kickdrift.world.contact_points import Contact, Floats, contact_points, contacts
+from kickdrift.world.events import ContactEvent, events, touching
+from kickdrift.world.tables import Tables
+
+
+class ContactViews:
+    """The attributes of a world about contacts after a step."""
+
+    tables: Tables
+    bodies: Bodies
+
+    @property
+    def events(self) -> list[ContactEvent]:
+        """Contacts that began or ended in the last call of `step` or `advance`, in order; removing a body creates no event."""
+        return events(self.tables, self.bodies)
+
+    @property
+    def touching(self) -> list[tuple[Body, Body]]:
+        """Pairs of bodies that touch, each once."""
+        return touching(self.tables, self.bodies)
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """Bodies that pressed on each other in the last step: where, and with which force; those of cloths are not among them.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World(gravity=(3, 0, -9.81))
+        >>> floor = world.add_plane()
+        >>> box = world.add_box((1, 1, 1), position=(0, 0, 0.5), mass=2.0)
+        >>> world.advance(1 / 60, 60)
+        >>> [
+        ...     (contact.body_b == box, len(contact.points), contact.force.round(2) + 0.0)
+        ...     for contact in world.contacts
+        ... ]
+        [(True, 4, array([-6.  ,  0.  , 19.62]))]
+        """
+        with self.tables.lock:
+            return contacts(self.tables, self.bodies)
+
+    @property
+    def contact_points(self) -> Floats:
+        """Points at which bodies pressed on each other in the last step, (P, 3), m; those of cloths are not among them."""
+        with self.tables.lock:
+            return contact_points(self.tables)
