@@ -108,13 +108,9 @@ def sphere_gaps(radii: ArrayLike) -> Callable[..., Any]:
     >>> import numpy as np, kickdrift as kd
     >>> disks = kd.Impacts(kd.sphere_gaps([0.5, 0.5]), restitution=1.0)
     >>> still = lambda x: np.zeros((2, 2))
-    >>> options = {
-    ...     "step": 0.1,
-    ...     "method": "velocity-verlet",
-    ...     "impacts": disks,
-    ...     "compile": False,
-    ... }
-    >>> sol = kd.solve(still, (0.0, 2.0), [[0, 0], [2, 0]], [[1, 0], [0, 0]], **options)
+    >>> start = [[0, 0], [2, 0]], [[1, 0], [0, 0]]
+    >>> options = {"step": 0.1, "method": "velocity-verlet", "compile": False}
+    >>> sol = kd.solve(still, (0.0, 2.0), *start, impacts=disks, **options)
     >>> sol.v[-1].round(12)
     array([[0., 0.],
            [1., 0.]])
