@@ -615,3 +615,7 @@ def test_the_force_of_a_sliding_contact_is_on_the_cone_of_friction():
     world.advance(STEP, 20)
     (contact,) = world.contacts
     assert contact.force == pytest.approx(2.0 * G * np.array((-0.18, 0.24, 1.0)), rel=1e-3)
+    world.remove(contact.body_b)
+    world.add_sphere(0.1)  # in its row
+    assert world.contacts == []
+    assert len(world.contact_points) == 0

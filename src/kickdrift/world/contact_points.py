@@ -85,6 +85,7 @@ def _points(tables: Tables) -> Iterator[_Points]:
     rows, manifolds = tables.array(CONTACT), tables.array(MANIFOLD)
     solid = np.flatnonzero((rows[:, c.CONTACT_STATE] & c.SENSOR) == 0)
     rows, manifolds = rows[solid], manifolds[solid]
+    touches = (rows[:, c.CONTACT_STATE] & c.TOUCHING) != 0  # those of a body that was removed do not
     at_a, turn_a = _place(tables, rows[:, c.SHAPE_A])
     at_b, turn_b = _place(tables, rows[:, c.SHAPE_B])
     normal = turned(turn_a, manifolds[:, c.NORMAL : c.NORMAL + 3])
@@ -98,7 +99,7 @@ def _points(tables: Tables) -> Iterator[_Points]:
             at_a[there] + turned(turn_a[there], point[:, c.ON_A : c.ON_A + 3]),
             at_b[there] + turned(turn_b[there], point[:, c.ON_B : c.ON_B + 3]),
             normal[there],
-            manifolds[there, c.NORMAL_IMPULSE + k],
+            manifolds[there, c.NORMAL_IMPULSE + k] * touches[there],
         )
 
 
