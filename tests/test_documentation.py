@@ -25,8 +25,8 @@ def names_on_pages():
         for line in page.read_text().splitlines():
             if line.startswith(".. currentmodule:: "):
                 module = line.split()[-1] + "."
-            elif re.fullmatch(r"   [\w.]+", line):
-                name = line.strip()
+            elif re.fullmatch(r"   ~?[\w.]+", line):
+                name = line.strip().removeprefix("~")
                 found.add(name if name.startswith("kickdrift.") else module + name)
     return found
 

@@ -82,7 +82,7 @@ def _methods_page(measured: dict[str, float | None]) -> str:
 _METHODS_TEXT = """# Methods
 
 The {count} methods of the catalogue, by the widest kind of problem for which each is made. A method keeps its order on the more
-special kinds, too, see [](kinds.md).
+specific kinds, too, see [](kinds.md): look for it also in the tables of wider kinds, which come first.
 
 ```{{toctree}}
 :hidden:
@@ -93,14 +93,14 @@ systems
 
 The argument `method=` of {{obj}}`kickdrift.solve` takes the names in these tables, or their aliases in brackets.
 
-The word lists the flows of a step, first to last, each with its share of the step: `K` is a kick, `D` a drift, and the other
-letters are in {{obj}}`kickdrift.methods.Letter`. The measured order is the slope of the error over the step on the problem
-named above each table, from the four smallest steps whose errors are above rounding. From order 8 on, few steps lie
-between those that are too large and those whose error is rounding, so that the slope is inaccurate there: the test suite
-measures these words in extended precision. The order of `shake` is that of its positions and of the energy, and the measured
-one that of its velocities, which lack the last impulse of the constraints. For methods for planets, the numbers in brackets are
-the orders of the parts of the error that are proportional to the masses of the planets, to their square, and so on. For
-Langevin dynamics the order is that of averages.
+The word lists the flows of a step, first to last, each with its share of the step: `K` is a kick, `D` a drift, and
+{{obj}}`kickdrift.methods.Letter` explains the other letters. The measured order is the slope of the error over the step
+on the problem named above each table, from the four smallest steps whose errors are above rounding. From order 8 on,
+few steps lie between those that are too large and those whose error is rounding, so that the slope is inaccurate there:
+the test suite measures these words in extended precision. The order of `shake` is that of its positions and of the
+energy, and the measured one that of its velocities, which lack the last impulse of the constraints. For methods for
+planets, the numbers in brackets are the orders of the parts of the error that are proportional to the masses of the
+planets, to their square, and so on. For Langevin dynamics the order is that of averages.
 """
 
 
@@ -142,8 +142,8 @@ def measured_methods() -> list[Method]:
 
 _KINDS_TEXT = """# Kinds of problem
 
-The description of a problem determines its kind, and the kind the methods that suit it. A kind includes the more special ones
-indented below it, and a method that has its order on a kind also has it on those:
+The description of a problem determines its kind, and the kind determines the methods that suit it. A kind includes the more
+specific ones indented below it, and a method that has its order on a kind also has it on those:
 
 ```text
 first-order equations
@@ -191,7 +191,7 @@ Systems with a default initial state, for `kickdrift run NAME` and {{obj}}`kickd
 
 {systems}
 
-Scenes of rigid bodies and cloth, for `kickdrift run NAME`:
+Scenes of rigid bodies and cloth, for `kickdrift run NAME` and `kickdrift view NAME`:
 
 {scenes}
 """

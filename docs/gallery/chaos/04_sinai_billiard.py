@@ -2,8 +2,8 @@
 Sinai's billiard
 ================
 
-A ball without friction on a table, in the middle of which stands a round post. Two shots that differ by a millionth of a
-radian are apart by the size of the table after a dozen bounces: round walls make neighbouring paths diverge, and flat ones do
+A ball moves without friction on a table with a round post in the middle. Two shots that differ by a millionth of a
+radian are as far apart as the table allows after a dozen bounces: round walls make neighbouring paths diverge, and flat ones do
 not (Sinai 1970).
 """
 
@@ -32,7 +32,7 @@ fig, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4), layout="constrained")
 for shot in shots:
     left.plot(*shot.x.T, linewidth=0.8)
 left.add_patch(plt.Circle((0, 0), 0.4, color="grey"))
-left.set(aspect="equal", xlim=(-1, 1), ylim=(-1, 1), xticks=(-1, 0, 1), yticks=(-1, 0, 1))
+left.set(aspect="equal", xlim=(-1, 1), ylim=(-1, 1), xticks=(-1, 0, 1), yticks=(-1, 0, 1), xlabel="x", ylabel="y")
 apart = np.linalg.norm(shots[0].x - shots[1].x, axis=1)
 right.semilogy(shots[0].t, apart)
 right.set(xlabel="t", ylabel="distance of the two balls")

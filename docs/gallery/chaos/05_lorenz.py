@@ -2,7 +2,7 @@
 Lorenz's butterfly
 ==================
 
-Three numbers that describe air over warm ground (Lorenz 1963). There are no kicks and drifts here, and there is no
+Three numbers describe the convection of air over warm ground (Lorenz 1963). There are no kicks and drifts here, and there is no
 energy to conserve: an extrapolated semi-implicit sweep or a Runge-Kutta method solves such equations. Two runs that
 begin a millionth apart have nothing in common after 30 units of time.
 
@@ -31,6 +31,9 @@ fig = plt.figure(figsize=(8.5, 4), layout="constrained")
 ax = fig.add_subplot(1, 2, 1, projection="3d")
 ax.plot(*one.y.T, linewidth=0.4)
 ax.set(xticks=[], yticks=[], zticks=[])
+for axis, name in zip((ax.xaxis, ax.yaxis, ax.zaxis), ("$y_0$", "$y_1$", "$y_2$"), strict=True):
+    axis.set_label_text(name)
+    axis.labelpad = -12
 right = fig.add_subplot(1, 2, 2)
 right.plot(one.t, one.y[:, 0], linewidth=0.8)
 right.plot(other.t, other.y[:, 0], linewidth=0.8)

@@ -2,8 +2,8 @@
 A trampoline
 ============
 
-Two balls fall on a mat that is held all around, and that throws them up again. Each rises to less than the height of its
-fall, since the mat keeps swinging and takes up that energy.
+Two balls fall on a mat that is held all around, and that throws them up again. Neither comes back to its height, since the mat
+keeps some of the energy and vibrates.
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,9 @@
 A wrecking ball
 ===============
 
-A chain of twenty rods of 1 kg carries a ball of 1000 kg. Solvers that treat one joint after the other let such a chain
-stretch like rubber; solved simultaneously, as one island, it keeps its length. The ball breaks through a wall of 28 stones,
-and comes up to a third of its height behind it.
+A chain of twenty rods of 1 kg carries a ball of 1000 kg. Solvers that treat one joint after the other let such a chain stretch
+like rubber. Here all joints are solved simultaneously, as one island, and the chain keeps its length. The ball breaks through
+a wall of 28 stones, and comes up to a third of its height behind it.
 """
 
 import numpy as np
@@ -33,6 +33,6 @@ for row in range(7):
 recording = world.run(duration=4.0, step=1 / 240)
 figure = recording.plot()
 height = recording.x[:, ball.index, 2]
-print(f"joints open by {1e3 * recording.derived['joint gap'].max():.2f} mm at most")
+print(f"joints open by {recording.derived['joint gap'].max():.0e} m at most")
 print(f"the ball began at {height[0]:.2f} m and comes up to {height[recording.t > 2.0].max():.2f} m behind the wall")
 recording.show()

@@ -34,6 +34,6 @@ last = recording.x[:, balls[-1].index, 0] - 0.2
 print(f"the fifth ball swings out to {np.degrees(np.arcsin(last[recording.t < 1.6].max())):.2f} degrees")
 energy = recording.derived["kinetic energy"] + recording.derived["potential energy"]
 print(
-    f"energy gained in 4 s: {energy[-1] - energy[0]:.4f} J "
-    f"of {recording.derived['kinetic energy'].max():.2f} J in the fastest moment"
+    f"energy change in 4 s: {energy[-1] - energy[0]:.4f} J "
+    f"of at most {recording.derived['kinetic energy'].max():.2f} J of kinetic energy"
 )

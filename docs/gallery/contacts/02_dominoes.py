@@ -2,8 +2,8 @@
 Dominoes
 ========
 
-Forty dominoes in a row; the first is pushed. After the first few, the wave runs through them at a constant speed, since
-each hits the next while it is falling.
+Forty dominoes in a row, of which the first is pushed. After the first few, the wave runs at a constant speed, since each domino
+hits the next while it is still falling.
 """
 
 import numpy as np

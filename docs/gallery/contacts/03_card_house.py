@@ -2,7 +2,8 @@
 A house of cards
 ================
 
-Three storeys of cards, leaning against each other in pairs, with a long card across each storey. It stands by friction alone. Then a marble is thrown.
+Three storeys of cards that lean against each other in pairs, with a long card across each storey. The house stands by friction
+alone, until a marble hits it.
 """
 
 import numpy as np

@@ -3,7 +3,7 @@ The break
 =========
 
 Fifteen balls touch each other in a triangle, and the cue ball comes at 8 m/s. Pool balls have a restitution of 0.93, and the
-rolling resistance of the cloth stops them (Alciatore, The Illustrated Principles of Pool and Billiards).
+rolling resistance of the cloth slows them down (Alciatore, The Illustrated Principles of Pool and Billiards).
 """
 
 import numpy as np

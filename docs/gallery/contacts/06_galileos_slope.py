@@ -2,11 +2,12 @@
 Galileo's slope
 ===============
 
-A ball, a solid cylinder and a ring roll down a slope of 10 degrees, and a block slides beside them without friction.
-The block arrives first, since rolling bodies have to gain rotation as well.
+A ball, a solid cylinder and a ring roll down a slope of 10 degrees, and a block slides beside them without friction. The block
+arrives first, since rolling bodies have to gain rotation as well.
 
-The acceleration is :math:`a = \\frac{g \\sin \\alpha}{1 + I / (m r^2)}`, with :math:`I / (m r^2)` of 2/5, 1/2 and 1 for
-those that roll, and 0 for the block.
+The acceleration is :math:`a = \\frac{g \\sin \\alpha}{1 + I / (m r^2)}`, with :math:`I / (m r^2)` of 2/5, 1/2 and 1 for those
+that roll, and 0 for the block. All are ahead by a thousandth: bodies in contact move with the velocity after the kick, and so
+are half a substep, 1 ms, early.
 """
 
 import matplotlib.pyplot as plt
@@ -37,6 +38,6 @@ for name, ratio in (("block", 0.0), ("ball", 0.4), ("cylinder", 0.5), ("ring", 1
     way = recording.x[:, recording.row(name), 0]
     ax.plot(recording.t, way, label=name)
     expected = 0.5 * g * np.sin(alpha) / (1 + ratio) * 2.0**2
-    print(f"{name:9} {way[-1]:.4f} m in 2 s; Galileo and Newton {expected:.4f} m")
+    print(f"{name:9} {way[-1]:.4f} m in 2 s; theory {expected:.4f} m")
 ax.set(xlabel="time (s)", ylabel="distance (m)")
 ax.legend()

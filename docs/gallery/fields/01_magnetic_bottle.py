@@ -2,7 +2,7 @@
 A magnetic bottle
 =================
 
-Where field lines come together, charges that spiral along them turn around, as in a mirror.
+Where field lines converge, charges that spiral along them turn around, as in a mirror.
 
 The magnetic moment :math:`\\mu = \\frac{v_\\perp^2}{2 B}` is conserved, so that all of the motion is across the field where
 :math:`B = \\frac{v^2}{2 \\mu}`. On the axis the field is :math:`B = 1 + z^2`, and with 0.3 along the field and 0.5 across it
@@ -28,14 +28,14 @@ sol = kd.solve(ion, (0.0, 60.0), x0=[0.1, 0, 0], v0=[0, 0.5, 0.3], step=0.005, m
 fig = plt.figure(figsize=(8.5, 4), layout="constrained")
 ax = fig.add_subplot(1, 2, 1, projection="3d")
 ax.plot(*sol.x[:2600].T, linewidth=0.6)
-ax.set(xlabel="x", ylabel="y", xticks=[0.1, 0.12], yticks=[-0.02, 0.02])
+ax.set(xlabel="x", ylabel="y", zlabel="z", xticks=[0.1, 0.12], yticks=[-0.02, 0.02])
 field = np.array([bottle(x) for x in sol.x])
 size = np.linalg.norm(field, axis=1)
 along = (sol.v * field).sum(axis=1) / size
 moment = ((sol.v**2).sum(axis=1) - along**2) / (2 * size)
 right = fig.add_subplot(1, 2, 2)
 right.plot(sol.t, sol.x[:, 2], label="z")
-right.plot(sol.t, moment / moment[0], label="magnetic moment / initial one", linewidth=0.8)
+right.plot(sol.t, moment / moment[0], label="magnetic moment / initial value", linewidth=0.8)
 right.set(xlabel="t", ylim=(-0.9, 1.8))
 right.legend()
 print(f"turns around at z = {sol.x[:, 2].max():.3f}; moment within {100 * abs(moment / moment[0] - 1).max():.1f} %")

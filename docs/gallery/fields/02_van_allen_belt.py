@@ -2,9 +2,10 @@
 A proton in Van Allen's belt
 ============================
 
-A proton of 10 MeV, caught by the Earth's dipole at two radii from its centre: it gyrates 59 times a second, bounces from north
-to south and back in 1.04 s, and drifts around the Earth in 145 s. The theory of such particles (Walt, Introduction to
-Geomagnetically Trapped Radiation, 1994) gives 1.04 s and 146 s.
+A proton of 10 MeV is trapped by the Earth's dipole field at two Earth radii from the centre: it gyrates 59 times a second,
+bounces from north to south and back in 1.04 s, and drifts around the Earth in 145 s. The theory of such particles (Walt,
+Introduction to Geomagnetically Trapped Radiation, 1994) gives 1.04 s and 146 s. The picture shows one minute, in radii of the
+Earth.
 """
 
 import matplotlib.pyplot as plt

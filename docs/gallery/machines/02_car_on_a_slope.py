@@ -2,10 +2,10 @@
 A car on a slope
 ================
 
-A car of a ton with two driven wheels in front and a slope of 15 degrees.
+A car of one tonne with front-wheel drive, on a slope of 15 degrees.
 
-On dry asphalt (friction 0.9) it climbs; on wet leaves (0.35) the front wheels spin, and it rolls back: they carry less
-than half of the weight, and :math:`\\tan 15° = 0.27` is more than half of 0.35.
+On dry asphalt (friction 0.9) it climbs; on wet leaves (0.35) the front wheels spin, and it rolls back, as in the picture: they
+carry less than half of the weight, and :math:`\\tan 15° = 0.27` is more than half of 0.35.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 A robot arm draws a circle
 ==========================
 
-Springs with dampers drive three hinges, and their targets follow the inverse kinematics of a circle. The tip is off by what the
-springs deflect to carry the arm's weight; stiffer ones follow more closely, and no stiffness is unstable.
+Springs with dampers drive two hinges, and their targets follow the inverse kinematics of a circle. The tip is off by what the
+springs deflect under the arm's weight; stiffer springs follow more closely, and any stiffness is stable.
 """
 
 import matplotlib.pyplot as plt

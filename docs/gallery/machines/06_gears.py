@@ -2,8 +2,8 @@
 A gear train
 ============
 
-Three wheels of 12, 24 and 36 teeth. A torque of 0.2 N m on the first one turns all, as if its moment of inertia were the sum of all, each divided
-by the square of its ratio.
+Three wheels of 12, 24 and 36 teeth. A torque of 0.2 N m on the first one turns all of them, as if it alone had the sum of their
+moments of inertia, each divided by the square of its gear ratio.
 """
 
 import matplotlib.pyplot as plt

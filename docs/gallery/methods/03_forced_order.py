@@ -2,9 +2,9 @@
 Order on a forced problem
 =========================
 
-A force that depends on time has to be evaluated at the right time: after each part of a drift, the clock has moved by that
-part. A word whose clock moves with the kicks instead has the same order without a force, and order one with it. Here is Forest
-and Ruth's method of order four, with both clocks.
+A force that depends on time has to be evaluated at the right time: the clock moves with the drifts, by the share of each. A
+word whose clock moves with the kicks instead has the same order without a force, and order one with it. Here is Forest and
+Ruth's method of order four, with both clocks.
 """
 
 import matplotlib.pyplot as plt

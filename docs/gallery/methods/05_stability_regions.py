@@ -2,9 +2,9 @@
 Where methods are stable
 ========================
 
-Applied to :math:`y' = \\lambda y`, a Runge-Kutta method multiplies y by a number in each step; where its modulus is at most one,
-nothing grows. Explicit methods have small regions, the midpoint rule has exactly the left half of the plane, and Radau's methods
-damp what they do not resolve.
+Applied to :math:`y' = \\lambda y`, a Runge-Kutta method multiplies y in each step by a number :math:`R(h \\lambda)`. Where its
+modulus is at most one (blue), nothing grows. The regions of explicit methods are small, that of the midpoint rule is exactly
+the left half of the plane, and Radau's methods also damp what they do not resolve.
 """
 
 import matplotlib.pyplot as plt
@@ -26,4 +26,6 @@ for ax, method in zip(
     ax.axhline(0, color="grey", linewidth=0.5)
     ax.axvline(0, color="grey", linewidth=0.5)
     ax.set(title=method, aspect="equal")
-    print(f"{method:18} at h lambda = -1000: {abs(kd.analysis.amplification_factor(method, -1000.0)):.1e}")
+    print(f"{method:18} |R(-1000)| = {abs(kd.analysis.amplification_factor(method, -1000.0)):.1e}")
+fig.supxlabel(r"real part of $h \lambda$")
+fig.supylabel(r"imaginary part of $h \lambda$")

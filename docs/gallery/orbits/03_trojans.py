@@ -3,8 +3,9 @@ Trojan asteroids
 ================
 
 Sixty degrees before and behind Jupiter lie the points at which Lagrange (1772) found bodies in equilibrium, and around which
-thousands of asteroids swing. Here are 120 of them without mass, started on Jupiter's orbit, up to 25 degrees from these points,
-over 600 years, seen in the frame that rotates with Jupiter: none leaves, and each swings around its point in about 150 years.
+thousands of asteroids swing. Here are 120 of them without mass, started on Jupiter's orbit, up to 25 degrees from these
+points, over 600 years, seen in the frame that rotates with Jupiter (the Sun is yellow, Jupiter red): none leaves, and each
+swings around its point in about 150 years.
 """
 
 import matplotlib.pyplot as plt

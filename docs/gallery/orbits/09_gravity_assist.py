@@ -30,12 +30,13 @@ fig, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4), layout="constrained")
 for half, name in zip(halves, ("before", "after"), strict=True):
     way, rate = half.x[:, 2] - half.x[:, 0], half.v[:, 2] - half.v[:, 0]
     left.plot(*way[:, :2].T, label=name)
-    left.plot(*(half.x[:, 1] - half.x[:, 0])[:, :2].T, color="grey", linewidth=0.8)
+    jupiter = "Jupiter" if name == "after" else None
+    left.plot(*(half.x[:, 1] - half.x[:, 0])[:, :2].T, color="grey", linewidth=0.8, label=jupiter)
     right.plot(half.t, km_s * np.linalg.norm(rate, axis=1))
     energy = 0.5 * (rate[-1] @ rate[-1]) - GM / np.linalg.norm(way[-1])
     kind = f"leaves with {km_s * np.sqrt(2 * energy):.1f} km/s" if energy > 0 else "bound to the Sun"
     print(f"{name}: {kind}; nearest to the Sun {np.linalg.norm(way, axis=1).min():.2f} au")
 left.plot(0, 0, "o", color="gold")
 left.set(aspect="equal", xlabel="au", ylabel="au")
-left.legend()
+left.legend(fontsize=8)
 right.set(xlabel="years", ylabel="speed (km/s)", ylim=(0, 50))

@@ -5,8 +5,8 @@ Fermi, Pasta, Ulam and Tsingou
 In 1955 a chain of 32 masses with slightly nonlinear springs was to show on a computer how energy spreads over all
 modes. It did not: nearly all of it came back to the first mode.
 
-The same chain, the same strength, :math:`\\alpha = 1/4`: after 153 periods of the first mode 98 % of the energy is
-there again.
+The same chain, the same strength, :math:`\\alpha = 1/4`: after 153 periods of the first mode, 98 % of the energy is
+back in it.
 """
 
 import matplotlib.pyplot as plt
@@ -36,7 +36,7 @@ energy = 0.5 * (sol.v @ shape) ** 2 + 0.5 * (omega * (sol.x @ shape)) ** 2
 fig, ax = plt.subplots(figsize=(7.5, 3.8))
 for mode in range(5):
     ax.plot(sol.t / period, energy[:, mode] / energy[0, 0], label=f"mode {mode + 1}", linewidth=1)
-ax.set(xlabel="periods of the first mode", ylabel="energy of a mode")
+ax.set(xlabel="periods of the first mode", ylabel="share of the energy")
 ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=8, frameon=False)
 first = energy[:, 0] / energy[0, 0]
 late = sol.t > 100 * period

@@ -2,9 +2,9 @@
 A wheel on a rope
 =================
 
-A bicycle wheel hangs by one end of its axle, and does not tip over as long as it spins: its weight turns the axle sideways,
-at the rate :math:`m g l / (I \\omega)`. This classic of lectures has a wheel of 3 kg whose axle hangs on a ball joint, and
-which begins with that rate of precession.
+A bicycle wheel hangs by one end of its axle, and does not tip over as long as it spins: its weight turns the axle sideways, at
+the rate :math:`m g l / (I \\omega)`. In this version of the classic lecture experiment, the wheel is a disk of 3 kg, whose
+axle hangs from a ball joint, and which starts with that rate of precession.
 """
 
 import numpy as np
@@ -28,4 +28,4 @@ figure = recording.plot()
 around = np.unwrap(np.arctan2(centre[:, 1], centre[:, 0]))
 rate = np.polyfit(recording.t, around, 1)[0]
 print(f"once around in {2 * np.pi / rate:.2f} s; theory {2 * np.pi / precession:.2f} s")
-print(f"height of the wheel between {100 * centre[:, 2].min():.2f} and {100 * centre[:, 2].max():.2f} cm")
+print(f"the height of the wheel varies by {np.ptp(centre[:, 2]):.0e} m")

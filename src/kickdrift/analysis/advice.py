@@ -44,7 +44,8 @@ class Advice:
     span, pilot : float
         Lengths of the whole span, and of the runs.
     trials : tuple of Trial
-        The methods that meet the tolerance, ordered by force evaluations.
+        The methods that meet the tolerance, ordered by force evaluations; `growth` is the power of time with which errors are
+        taken to grow.
     left_out : mapping of str to str
         The other methods, and the reasons.
     """
@@ -81,7 +82,7 @@ class Advice:
         known = "the whole span" if share >= 1 else f"{share:.3g} of the span, extrapolated"
         lines = [
             f"{self.system} over {self.span:g} to an error of {self.tolerance:g}: method={self.method!r}, step={self.step:.6g}",
-            f"(measured on {known}; errors of the state in terms of its size)",
+            f"(measured on {known}; errors are relative to the size of the state, and growth is the power of time in them)",
             "",
             markdown(self.columns),
         ]

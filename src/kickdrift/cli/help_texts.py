@@ -56,7 +56,7 @@ def _literal(text: str) -> str:
 RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>.png.
 
 The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at times up to ten years
-after J2000. Ctrl-C ends a run early, and the states until then are written. With --checkpoint the same command resumes an
+after J2000. Ctrl-C ends a run early, and the states up to there are written. With --checkpoint the same command resumes an
 interrupted run, even if the process was killed. With --save-to the states are written to disk during the run, where
 xarray can read them, and the other files are not written.
 

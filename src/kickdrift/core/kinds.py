@@ -7,7 +7,7 @@ from functools import cache
 class Kind(Enum):
     """Kinds of problems, by the form of the equations. The value is the phrase shown to users.
 
-    A kind includes the more special ones below it, and a method that has its order on a kind has it on those, too. ::
+    A kind includes the more specific ones below it, and a method that has its order on a kind has it on those, too. ::
 
         FIRST_ORDER
           PARTITIONED

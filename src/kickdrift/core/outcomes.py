@@ -4,7 +4,22 @@ from enum import Enum
 
 
 class Outcome(Enum):
-    """The ways in which a run ends; `Outcome.value` is the sentence shown to users.
+    """The ways in which a run ends; ``outcome.value`` is the sentence shown to users.
+
+    Attributes
+    ----------
+    COMPLETED, STOPPED
+        The end of t_span was reached, or a terminal event: both are a success.
+    INTERRUPTED
+        By Ctrl-C, or the stop button of a notebook.
+    NOT_FINITE, FAILED
+        The state became infinite or NaN; a function raised or returned NaN.
+    NOT_WRITTEN
+        The output could not be written, as on a full disk.
+    NO_STEP, STEP_LIMIT
+        No valid size was found for the next step; ``max_steps`` was reached.
+    NOT_CONVERGED
+        The equations of an implicit step were not solved.
 
     Examples
     --------
@@ -28,5 +43,5 @@ class Outcome(Enum):
 
     @property
     def success(self) -> bool:
-        """Whether the run did all that was asked."""
+        """Whether the run reached the end of t_span, or a terminal event."""
         return self in (Outcome.COMPLETED, Outcome.STOPPED)

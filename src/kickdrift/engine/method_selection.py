@@ -123,9 +123,8 @@ def _mismatch(named: Method, system: System) -> MethodMismatchError:
         best = methods.preferred(system.kind)
     description = f", or describe it as {_DESCRIPTIONS[named.kind]}" if named.kind in _DESCRIPTIONS else ""
     return MethodMismatchError(
-        f"method={named.name!r} is for {named.kind.value}, but the kind of {system.name!r} is {system.kind.value}:"
-        f" there the method would lose its order, or lacks a flow; use {best.name!r} (order"
-        f" {best.order}){description}."
+        f"method={named.name!r} is for {named.kind.value}, but {system.name!r} is of the kind {system.kind.value}: the"
+        f" method would lose its order there, or does not apply; use {best.name!r} (order {best.order}){description}."
     )
 
 

@@ -79,7 +79,7 @@ class Presented:
     def to_html(self, path: str | Path) -> Path:
         """Write a page that plays in the browser, without a server; return its path.
 
-        See `kickdrift.viewer.recording.recording_to_html` and `kickdrift.viewer.solution.solution_to_html`.
+        The mouse rotates and zooms the scene: the bodies of a recording, or those of a solution on their orbits.
 
         Parameters
         ----------

@@ -126,7 +126,7 @@ class Solution(Motion, Presented):
 
     @property
     def plain(self) -> Solution:
-        """The solution in plain numbers: itself, unless it was solved with units, see `kickdrift.engine.unit_solution`."""
+        """The solution in plain numbers: itself, unless its arguments were quantities with units."""
         return self
 
     def __call__(self, t: ArrayLike) -> States:
@@ -166,7 +166,7 @@ class Solution(Motion, Presented):
         return self.dense(t)
 
     def continue_to(self, t: float) -> Solution:
-        """Continue to another end: with equal steps, with the bits of an uninterrupted run.
+        """Continue to another end: with equal steps, bit-identically to an uninterrupted run.
 
         It continues from the last state of the loop, at the same step, whether the run reached its end, was interrupted, or
         was ended by an event. `terminal` events count afresh from there. Where steps vary, or are cut by impacts or switches,

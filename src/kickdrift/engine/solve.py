@@ -119,7 +119,7 @@ def solve(
         Tolerances, relative and absolute, for ``step_control=kd.LocalError(rtol, atol)``; 1e-3 and 1e-6 where one is given.
     max_steps : int, optional
         Most steps that the call may take. The number of steps that vary is not known before, and has no limit where the
-        motion goes to infinity: the run then ends with the states until then, and ``solution.continue_to`` goes on. By
+        motion goes to infinity: the run then ends with the states up to there, and ``solution.continue_to`` goes on. By
         default there is no limit.
     args : sequence of float, optional
         Numbers passed to the functions as ``params``.
@@ -129,7 +129,7 @@ def solve(
         Whether to compile Python functions with Numba; False runs them interpreted.
     check_bounds : bool
         Whether an index out of bounds in a compiled function is an error, as in Python: at the start an ArgumentError, later
-        the end of the run, with the states until then. False saves nothing measurable where a force does some arithmetic,
+        the end of the run, with the states up to there. False saves nothing measurable where a force does some arithmetic,
         and up to a third of the time in loops that do little else, as along a chain of springs, but a wrong index then reads or
         overwrites other memory.
     progress : bool, optional
@@ -140,9 +140,9 @@ def solve(
         solution has the first and the last row. With `checkpoint` a run resumes in its folder; otherwise an existing folder
         is refused.
     checkpoint : path, optional
-        A folder for checkpoints, created if missing. The same call, in any process, resumes from the newest one with the
-        bits of an uninterrupted run; also with a later end, and with an earlier end from the newest checkpoint before it.
-        One process at a time. Where steps vary, the end must be the same.
+        A folder for checkpoints, created if missing. The same call, in any process, resumes from the newest one,
+        bit-identically to an uninterrupted run; also with a later end, and with an earlier end from the newest checkpoint
+        before it. One process at a time. Where steps vary, the end must be the same.
     checkpoint_every : int, optional
         Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
     checkpoint_keep : int, optional

@@ -98,7 +98,7 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 
 
 def load_world(path: str | Path, forces: Sequence[Function] = ()) -> World:
-    """Read a world that `World.save` wrote; it continues with the bits of the one that was written.
+    """Read a world that `World.save` wrote; it continues bit-identically to the one that was written.
 
     Parameters
     ----------

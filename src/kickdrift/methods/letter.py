@@ -6,7 +6,10 @@ from kickdrift.core.kinds import Kind
 
 
 class Letter(Enum):
-    """A flow; the value is its name in the engine.
+    """A letter of a word, which stands for a flow.
+
+    In the spelling of words, K and D are KICK and DRIFT, K* and D* their adjoints, and P and Q CONSTRAIN_POSITIONS and
+    CONSTRAIN_VELOCITIES; the others are spelled by their values, such as ``boris-rotate``.
 
     Attributes
     ----------

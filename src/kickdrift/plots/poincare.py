@@ -68,7 +68,7 @@ def plot_poincare_sections(
     for name in chosen:
         if name not in numbers[0]:
             raise ArgumentError(f"axes={axes!r} has {name!r}, but the state has {', '.join(numbers[0])}.")
-    title = f"{many[0].system}: {sum(section.t.size for section in many)} passages"
+    title = f"{many[0].system}: {sum(section.t.size for section in many)} crossings"
     figure, panel = one_panel(5.6, 5.2, title, ax)
     for i, own in enumerate(numbers):
         panel.plot(

@@ -125,8 +125,8 @@ def solve_ensemble(
         is not finished. Each chunk is written by the process that computes it, so that workers on other machines must share
         the folder. The solution reads only the parts that are accessed. The same call computes the missing members.
     checkpoint : path, optional
-        A folder for checkpoints of the finished members. The same call, in any process, continues with the others, with the
-        bits of an uninterrupted run.
+        A folder for checkpoints of the finished members. The same call, in any process, continues with the others,
+        bit-identically to an uninterrupted run.
     checkpoint_every : int, optional
         Members from one checkpoint to the next; by default they are about a minute apart.
 

@@ -38,7 +38,7 @@ class AppliesForces:
         Raises
         ------
         ArgumentError
-            For a body that forces do not move or that was removed, and for numbers that are not finite.
+            For a static, kinematic or removed body, and for numbers that are not finite.
 
         Examples
         --------
@@ -70,7 +70,7 @@ class AppliesForces:
         Raises
         ------
         ArgumentError
-            For a body that forces do not move or that was removed, and for numbers that are not finite.
+            For a static, kinematic or removed body, and for numbers that are not finite.
 
         Examples
         --------

@@ -64,7 +64,7 @@ class World(
     ConservedQuantities,
     Tunable,
 ):
-    """Rigid bodies, cloth, ropes and soft bodies in three dimensions.
+    """Rigid bodies, joints, cloth, ropes and soft bodies, in three dimensions or in a plane.
 
     >>> import kickdrift as kd
     >>> world = kd.World(gravity=(0, 0, -9.81))
@@ -74,9 +74,13 @@ class World(
     ... )
     >>> recording = world.run(duration=2.0, step=1 / 60)
 
-    Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and the bodies in contact with
-    them, form islands that are solved directly, all joints and contacts of an island at once. So are small heaps on which
-    the sweeps do not converge.
+    `add_box` and the like add bodies, `add_hinge` and the like joints, `add_cloth`, `add_rope` and `add_soft_body` deformable
+    bodies, and `add_force` functions. `step` does one step; `run` does many and records them; `record` records a loop of your
+    own, and `view` shows the world in the browser. `ray_cast`, `overlap_box`, `touching` and `events` are queries; `snapshot`,
+    `restore` and `save` keep states.
+
+    Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and those in contact with them,
+    form islands, each of which is solved directly. So are small heaps on which the sweeps do not converge.
 
     Parameters
     ----------
@@ -87,31 +91,30 @@ class World(
         faster rotation.
     midpoint : bool
         Whether bodies in free flight move with the mean of their velocities before and after the kick, so that gravity
-        conserves energy, and bodies with joints, without contacts, damping, motors, drives and joint friction, with half of
-        the kick before and half after the drift, as in the Stoermer-Verlet method; otherwise, as in the semi-implicit Euler
-        method, with the velocity after it.
+        conserves energy. Bodies with joints, but without contacts, damping, motors, drives and joint friction, then get half
+        of the kick before the drift and half after it (Stoermer-Verlet). If False, all move with the velocity after the kick
+        (semi-implicit Euler).
     margin, slop : float
         The distance of shapes at which a contact between them is created, and the depth to which they may overlap; m.
     contact_hertz, contact_damping : float
-        Frequency and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15 over
-        the substep, the stiffest that does not disturb high stacks.
+        Frequency, Hz, and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
+        divided by the substep, the stiffest that does not disturb high stacks.
     push_speed : float
-        The largest speed at which overlapping bodies are pushed apart, m/s. Bodies on top of a pushed stack become faster:
-        four rows of boxes that overlap by a quarter throw the uppermost up at 7 m/s with 3 m/s; with 1.5 m/s none exceeds
-        4 m/s.
+        The largest speed at which two overlapping bodies are pushed apart, m/s. In a stack the speeds add up: of four rows of
+        boxes that overlap by a quarter, the uppermost reaches 7 m/s with 3 m/s, and less than 4 m/s with 1.5 m/s.
     bounce_speed : float, optional
         Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity or the forces
         on them add in a substep.
     sleeping : bool
-        Whether islands of bodies that nearly touch or are joined are skipped once they are at rest: once no point of them
-        has moved faster than `sleep_speed`, m/s, for `sleep_time`, s; and all cloths, once all of them are. Off by
-        default, because it removes their remaining kinetic energy.
+        Whether islands, of bodies that nearly touch or are joined, are skipped once they are at rest: once none of their
+        points has moved faster than `sleep_speed` for `sleep_time`; and all cloths, once all of them are. Off by default,
+        because it removes their remaining kinetic energy.
     sleep_speed, sleep_time : float
-        See `sleeping`.
+        m/s and s, see `sleeping`.
     threads : bool
-        Whether contacts are distributed over Numba's threads (``numba.set_num_threads``). The bits are the same for any
-        number of threads. Worthwhile from some thousand bodies on, on otherwise idle cores. Processes forked from one that
-        has used threads run on one thread.
+        Whether contacts are distributed over Numba's threads (``numba.set_num_threads``), with the same bits for any number of
+        them. Worthwhile from some thousand bodies on, on otherwise idle cores. Processes forked from one that has used
+        threads run on one thread.
     plane_normal : (3,) array_like, optional
         Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. Walls oblique to
         the plane push bodies within it, with the friction of a wedge in its groove. Surfaces nearly parallel to the plane
@@ -129,15 +132,15 @@ class World(
     gravity, substeps, sleeping
         As above; each may be set between steps.
     residual : float
-        The largest normal speed at points that press on each other, which the solver left in the last step, m/s; read-only.
+        The largest normal speed that the solver left at points that press on each other in the last step, m/s; read-only.
     time : float
-        s.
+        Time since the start, s.
     broken : list of Joint
         Joints that broke in the last call of `step` or `advance`.
 
     Examples
     --------
-    Of the ball above:
+    The ball above has fallen, bounced and fallen again:
 
     >>> recording.x.shape
     (121, 3, 3)

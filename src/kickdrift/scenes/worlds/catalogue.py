@@ -44,7 +44,7 @@ SCENES: dict[str, Scene] = {
     "ragdolls": Scene(ragdolls, 4.0, 1 / 60, "16 limp humanoids fall onto each other"),
     "humanoid": Scene(lambda: humanoid().world, 5.0, 1 / 200, "a person stands, held by springs in the joints"),
     "chain": Scene(lambda: chain().world, 6.0, 1 / 120, "20 rods swing a ball of 1000 times the mass"),
-    "joint-grid": Scene(joint_grid, 4.0, 1 / 60, "900 balls joined to a net swing"),
+    "joint-grid": Scene(joint_grid, 4.0, 1 / 60, "a net of 900 balls connected by joints swings"),
     "robot-arm": Scene(lambda: arm(damping=0.4).world, 3.0, 1 / 200, "an arm of seven hinges bends"),
     "two-link-arm": Scene(lambda: two_link_arm().world, 10.0, 1 / 200, "two rods swing without friction"),
     "quadruped": Scene(lambda: quadruped().world, 3.0, 1 / 200, "a robot stands on four legs"),
@@ -59,5 +59,5 @@ SCENES: dict[str, Scene] = {
     "bridge": Scene(bridge, 5.0, 1 / 60, "crates fall onto a bridge that hangs on ropes"),
     "tetherball": Scene(tetherball, 6.0, 1 / 60, "a ball winds its rope round a pole"),
     "jelly": Scene(jelly, 4.0, 1 / 60, "cubes of jelly and a box fall into a heap"),
-    "trampoline": Scene(trampoline, 4.0, 1 / 60, "two balls jump on a trampoline"),
+    "trampoline": Scene(trampoline, 4.0, 1 / 60, "two balls bounce on a trampoline"),
 }

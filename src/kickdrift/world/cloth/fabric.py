@@ -34,7 +34,9 @@ class Fabric:
     friction : float
         Coefficient of friction; a cloth and a shape in contact use the geometric mean.
     drag, lift : float
-        Coefficients; see `kickdrift.world.cloth.wind.add_wind`. A plate perpendicular to the wind has a drag of about 1.2.
+        Coefficients C of the forces on a triangle of area A and unit normal n in a relative wind of speed s and direction d:
+        ``C air_density A s^2 / 2`` times ``|n . d| d`` (drag) and ``(n . d) (n - (n . d) d)`` (lift). A plate perpendicular to
+        the wind has a drag of about 1.2.
     air_density : float
         kg/m^3.
     tear_strain : float

@@ -88,8 +88,8 @@ class AddsJoints:
     def add_joint(self, body_a: Body | None, body_b: Body | None, record: Record) -> Joint:
         """Join two bodies in their current poses.
 
-        Angles, positions, motors, drives and limits are those of b relative to a. If forces move only one of the two, they
-        are those of that one relative to the other, whichever is named first.
+        Angles, positions, motors, drives and limits are those of b relative to a. If only one of the two is dynamic, they are
+        those of the dynamic one relative to the other, whichever is named first.
 
         Parameters
         ----------

@@ -122,7 +122,7 @@ class Drive:
     damping : float
         N m s/rad about an axis, N s/m along one.
     hertz, damping_ratio : float, optional
-        Natural frequency, in 1/s, and damping over critical damping.
+        Natural frequency, Hz, and damping over critical damping.
     target : float
         Position or angle at which the spring force is zero, m or rad.
     speed : float
@@ -137,8 +137,8 @@ class Drive:
 
     Notes
     -----
-    Both are implicit in the position and speed, so any stiffness and damping is stable. Springs that are slow compared to
-    the substep conserve their energy; see `kickdrift.world.joints.axis_laws`.
+    Both are integrated implicitly, so any stiffness and damping is stable. Springs that are slow compared to the substep
+    conserve their energy.
 
     Examples
     --------
@@ -191,7 +191,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class Axis:
-    """The laws of a joint along or about one of its axes.
+    """Limits, motor, drive and friction of a joint along or about one of its axes.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ class Axis:
     Raises
     ------
     ArgumentError
-        For limits in the wrong order or not a number, negative friction, and a locked axis with any law.
+        For limits in the wrong order or not a number, negative friction, and a locked axis with anything else.
 
     Examples
     --------

@@ -33,9 +33,9 @@ class Joint(HasLaws):
 
     Notes
     -----
-    Angles, positions, speeds, efforts, forces and torques are those of body b relative to body a. If forces move only one of
-    the two, they are those of that one relative to the other, whichever was named first: the ground, a static or a kinematic
-    body is the reference. A hinge's angle is positive counter-clockwise about its axis, a slider's position along it.
+    Angles, positions, speeds, efforts, forces and torques are those of body b relative to body a. If only one of the two is
+    dynamic, they are those of the dynamic one relative to the other, whichever was named first: the ground, a static or a
+    kinematic body is the reference. A hinge's angle is positive counter-clockwise about its axis, a slider's position along it.
 
     Axes 0-2 are linear and 3-5 angular; the default of ``axis`` is the axis of a hinge or a slider, and the line of a
     distance joint, a rope or a spring. Positions and angles are those at the end of the last step, or those set since. Every
@@ -208,7 +208,7 @@ class Joint(HasLaws):
         """Move a joint to an angle or position, with everything attached to it; the rates of all joints stay the same.
 
         The body that is measured is rotated or shifted relative to the other one, and everything joined to it moves with it
-        as one rigid body. If a chain of joints leads from it to a body that forces do not move, the other side moves.
+        as one rigid body. If a chain of joints leads from it to a static or kinematic body, the other side moves.
 
         Parameters
         ----------

@@ -25,9 +25,9 @@ class SixDof(Record):
         Directions of the first two axes, in the world, perpendicular; the third is perpendicular to both. They are fixed in
         body a.
     linear : tuple of three Axis
-        The laws along them.
+        Limits, motor, drive and friction along them, or locks.
     angular : tuple of three Axis
-        The laws about them. A single open axis is that of a hinge; of two, the first (of x-y, y-z, z-x) is fixed in a and
+        The same about them. A single open axis is that of a hinge; of two, the first (of x-y, y-z, z-x) is fixed in a and
         the other in b, as in a universal joint; with three, the angles are the components of the rotation vector, or with
         limits swing and twist about z.
     swing_limit : float, optional

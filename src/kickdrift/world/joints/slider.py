@@ -20,8 +20,8 @@ class Slider(Record):
     anchor : (3,) array_like
         A point of the axis, in the world, m.
     axis : (3,) array_like
-        Direction of the axis, in the world; positions along it are positive: of b relative to a, or if forces move only one
-        of them, of that one relative to the other.
+        Direction of the axis, in the world. Positions, positive along it, are those of b relative to a; if only one of the two
+        is dynamic, those of the dynamic one relative to the other.
     limits : (2,) tuple of float, optional
         Smallest and largest position, m; the position is zero initially.
     motor : Motor, optional

@@ -25,7 +25,7 @@ class Spring(Record):
     length : float, optional
         Rest length, m; by default the current distance of the points.
     hertz, damping_ratio : float, optional
-        Natural frequency, in 1/s, and damping over critical damping.
+        Natural frequency, Hz, and damping over critical damping.
     stiffness, damping : float
         N/m and N s/m.
 

@@ -52,7 +52,7 @@ class KeepsHistory:
             seconds.
         checkpoint : path, optional
             A folder for checkpoints, created if missing. The same call for a world that was built in the same way resumes
-            from the newest one, with the bits of an uninterrupted run; also for a longer or shorter duration. Functions of
+            from the newest one, bit-identically to an uninterrupted run; also for a longer or shorter duration. Functions of
             `add_force` must not keep state.
         checkpoint_every : int, optional
             Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
@@ -68,7 +68,7 @@ class KeepsHistory:
         -------
         Recording
             Its `status` and `message` tell how the run ended. Ctrl-C and a body that is lost to infinity end it early; the
-            states until then are recorded.
+            states up to there are recorded.
 
         Raises
         ------
@@ -194,7 +194,7 @@ class KeepsHistory:
 
     @undivided
     def restore(self, snapshot: Snapshot) -> None:
-        """Go back to a snapshot, any number of times; the steps after it give the same bits.
+        """Go back to a snapshot, any number of times; the steps after it are bit-identical.
 
         Handles of bodies and joints that existed then are valid again; those of later ones are not.
 

@@ -124,7 +124,7 @@ class Recording(Solution):
 
     @property
     def moving(self) -> NDArray[np.intp]:
-        """Rows of the bodies that forces move."""
+        """Rows of the dynamic bodies: neither static nor kinematic."""
         return np.flatnonzero(self.appearance.kinds == DYNAMIC)
 
     def row(self, name: str) -> int:
@@ -221,7 +221,27 @@ class Recording(Solution):
         return self.presenters.save_meshes(self, folder, which, form)
 
     def animate(self, path: str | Path, *, speed: float = 1.0, rate: int = 25, progress: bool | None = None) -> Path:
-        """Write an animation of the recording, a GIF or an MP4; see `kickdrift.plots.animation.animate_recording`.
+        """Write an animation of the recording; return its path.
+
+        Parameters
+        ----------
+        path : path
+            Ends in ``.gif``, or in ``.mp4`` if the program ffmpeg is installed.
+        speed : float
+            Seconds of the recording per second of the animation.
+        rate : int
+            Frames per second, at most 50.
+        progress : bool, optional
+            Whether to show a progress bar; by default on a terminal, if it takes more than two seconds.
+
+        Raises
+        ------
+        ArgumentError
+            For an invalid speed or rate.
+        FileFormatError
+            If the file cannot be written, or ffmpeg is missing.
+        MissingExtraError
+            If matplotlib is not installed.
 
         Examples
         --------
