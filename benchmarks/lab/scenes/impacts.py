@@ -244,9 +244,8 @@ def _tube(members: int = 12) -> Trial:
         return float((np.abs(watched.poses[:, 6:, :3]) - half).max())
 
     criteria = (at_most("outside", "m", outside, 0.0),)
-    return Trial(
-        f"balls of grams between heavy boxes in {members} closed tubes", tuple(scenes), 0.3, criteria, looks=18
-    )
+    name = f"balls of grams between heavy boxes in {members} closed tubes"
+    return Trial(name, tuple(scenes), 0.3, criteria, looks=18, quick=False)
 
 
 def _rooms(members: int = 20, count: int = 12) -> Trial:

@@ -1,11 +1,12 @@
 """Rows of free bodies of 10 g to 100 kg, struck at one end with e = 0: in the end all move on together."""
 
 import numpy as np
+from scipy.spatial.distance import pdist
 
 from benchmarks.lab.building import Builder
 from benchmarks.lab.measures import at_most
 from benchmarks.lab.trial import Criterion, Trial
-from benchmarks.world.described import Floats, Scene
+from benchmarks.world.described import Scene
 from benchmarks.world.judge import Watched
 
 _RADIUS = 0.15
@@ -22,17 +23,18 @@ def _row(random: np.random.Generator, gravity: float) -> Scene:
     return builder.scene()
 
 
-def _along(scene: Scene, columns: Floats) -> Floats:
-    return columns[:, [k for k, body in enumerate(scene.bodies) if body.mass > 0.0], 0]
+def _balls(scene: Scene) -> list[int]:
+    return [k for k, body in enumerate(scene.bodies) if body.mass > 0.0]
 
 
 def _overlap(scene: Scene, watched: Watched) -> float:
-    return float(2 * _RADIUS - np.diff(_along(scene, watched.poses), axis=1).min())
+    places = watched.poses[:, _balls(scene), :3]
+    return float(2 * _RADIUS - min(pdist(look).min() for look in places))
 
 
 def _off(scene: Scene, watched: Watched) -> float:
-    masses = np.array([body.mass for body in scene.bodies if body.mass > 0.0])
-    start, end = _along(scene, watched.motions)[[0, -1]]
+    masses = np.array([scene.bodies[ball].mass for ball in _balls(scene)])
+    start, end = watched.motions[[0, -1]][:, _balls(scene), 0]
     return float(np.abs(end - masses @ start / masses.sum()).max() / start.max())
 
 
