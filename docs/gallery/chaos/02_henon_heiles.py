@@ -5,7 +5,7 @@ Order and chaos of Hénon and Heiles
 A star in a galaxy moves in a potential that is not quite round (Hénon and Heiles 1964).
 
 Each time it crosses :math:`x = 0` with :math:`v_x > 0`, its :math:`y` and :math:`v_y` give a point. At an energy of
-1/12 the points of each orbit lie on curves: something besides the energy is conserved. At 1/8 only islands of such
+1/12 the points of each orbit lie on curves, as if something besides the energy were conserved. At 1/8 only islands of such
 curves are left, in a chaotic sea over which a single orbit spreads.
 """
 

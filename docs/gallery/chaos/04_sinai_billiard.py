@@ -3,7 +3,7 @@ Sinai's billiard
 ================
 
 A ball moves without friction on a table with a round post in the middle. Two shots that differ by a millionth of a
-radian are as far apart as the table allows after a dozen bounces: round walls make neighbouring paths diverge, and flat ones do
+radian are as far apart as the table allows after about twenty bounces: round walls make neighbouring paths diverge, and flat ones do
 not (Sinai 1970).
 """
 
@@ -35,7 +35,7 @@ left.add_patch(plt.Circle((0, 0), 0.4, color="grey"))
 left.set(aspect="equal", xlim=(-1, 1), ylim=(-1, 1), xticks=(-1, 0, 1), yticks=(-1, 0, 1), xlabel="x", ylabel="y")
 apart = np.linalg.norm(shots[0].x - shots[1].x, axis=1)
 right.semilogy(shots[0].t, apart)
-right.set(xlabel="t", ylabel="distance of the two balls")
+right.set(xlabel="t", ylabel="distance between the two balls")
 print(
     f"1e-3 apart at t = {shots[0].t[(apart > 1e-3).argmax()]:.1f}, 0.5 at t = {shots[0].t[(apart > 0.5).argmax()]:.1f}"
 )

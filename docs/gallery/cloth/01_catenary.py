@@ -4,8 +4,8 @@ The catenary
 
 A chain of 40 links hangs between two points at the same height.
 
-Galileo took it for a parabola; it is a hyperbolic cosine (Huygens, Leibniz, Johann Bernoulli 1691), :math:`y = a \\cosh
-(x / a)`. The chain, with a little friction in its joints so that it comes to rest, lies on it to two millimetres.
+Galileo likened it to a parabola; it is a hyperbolic cosine (Huygens, Leibniz, Johann Bernoulli 1691), :math:`y = a \\cosh
+(x / a)`. The links are damped a little, so that the chain comes to rest; it lies on the curve to two millimetres.
 """
 
 import matplotlib.pyplot as plt

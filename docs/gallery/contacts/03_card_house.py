@@ -39,5 +39,5 @@ falls = world.run(duration=1.0, step=1 / 240)
 after = falls.plot()
 print(
     f"in 3 s the cards moved by at most {1e3 * moved:.2f} mm; "
-    f"then a marble of {1e3 * 2500 * 4.19 * 0.012**3:.0f} g came"
+    f"then a marble of {1e3 * 2500 * 4.19 * 0.012**3:.0f} g knocks them down"
 )

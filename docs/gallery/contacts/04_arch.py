@@ -2,8 +2,8 @@
 An arch without mortar
 ======================
 
-Wedges of stone in a half circle hold each other. An arch stands as long as a line of thrust fits into it, which in a half circle takes
-a thickness of 10.7 % of its radius (Couplet 1730, Milankovitch 1907). This one has 20 %, and stands; one of 8 % falls.
+Wedges of stone in a half circle hold each other. An arch stands as long as a line of thrust fits into it, which in a half
+circle needs a thickness of 10.7 % of its radius (Milankovitch 1907). This one has 20 %, and stands; one of 8 % falls.
 """
 
 import numpy as np

@@ -2,9 +2,9 @@
 A bouncing ball
 ===============
 
-A ball of restitution 0.8 is thrown over a floor with friction. Each bounce leaves 0.64 of the height and takes less time; in the
-end infinitely many of them fit into a finite time, and the ball rolls. Impacts are located within the step, so that a step of
-1/60 s is as good as any.
+A ball of restitution 0.8 is thrown over a floor with friction. Each bounce reaches 0.64 of the height of the one before, and
+takes less time; in the end infinitely many of them fit into a finite time, and the ball rolls. Impacts are located within the
+step, so that a step of 1/60 s is as good as any.
 """
 
 import matplotlib.pyplot as plt

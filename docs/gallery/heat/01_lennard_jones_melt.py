@@ -3,8 +3,8 @@ A crystal melts
 ===============
 
 A hundred atoms in a plane attract and repel each other by the potential of Lennard-Jones, :math:`4 (r^{-12} - r^{-6})`, in a
-box with walls. They begin in a hexagonal crystal, which Langevin dynamics keep at a temperature. At 0.2 nearly all neighbours
-stay neighbours; at 0.6 the crystal has melted, and a tenth of them still are. Colours are the rows at the start. (Units are the
+box with walls. They begin in a hexagonal crystal, which Langevin dynamics keeps at a temperature. At 0.2 nearly all neighbours
+stay neighbours; at 0.6 the crystal melts, and only a tenth of them do. Colours are the rows at the start. (Units are the
 potential's depth and range; two-dimensional crystals of these atoms melt near 0.4.)
 """
 

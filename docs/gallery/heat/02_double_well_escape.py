@@ -5,8 +5,8 @@ Escape over a barrier
 A particle in one of two wells is knocked about by heat, and now and then over the barrier.
 
 Kramers (1940) computed how often: for strong friction :math:`k = \\frac{\\omega_0 \\omega_b}{2 \\pi \\gamma}
-e^{-\\Delta V / kT}`, corrected here for a moderate one. Four thousand particles start in the left well; the share that
-is still there decays at that rate.
+e^{-\\Delta V / kT}`, corrected here for a moderate one. Four thousand particles start in the left well. Since some
+of those that leave come back, the share in it decays towards one half, at twice that rate.
 """
 
 import matplotlib.pyplot as plt

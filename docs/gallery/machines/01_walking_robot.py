@@ -3,7 +3,7 @@ A walking robot
 ===============
 
 A trunk and four legs, each with a hip and a knee, driven by springs with dampers whose targets oscillate. Diagonally opposite
-legs step together: a trot of 2.5 steps per second. There is no feedback about its balance.
+legs step together: a trot of 2.5 strides per second. There is no feedback about its balance.
 """
 
 import numpy as np

@@ -33,7 +33,7 @@ def force(t, x):
 
 
 exact = kd.solve(force, (0.0, 5.0), 1.0, 0.0, step=0.002, method="kahan-li-8").x[-1]
-counts = np.array([20, 40, 80, 160, 320])
+counts = np.array([80, 160, 320, 640, 1280])
 right_error = [
     abs(kd.solve(force, (0.0, 5.0), 1.0, 0.0, step=5 / n, method="forest-ruth-4").x[-1] - exact) for n in counts
 ]

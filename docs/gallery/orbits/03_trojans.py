@@ -5,7 +5,7 @@ Trojan asteroids
 Sixty degrees before and behind Jupiter lie the points at which Lagrange (1772) found bodies in equilibrium, and around which
 thousands of asteroids swing. Here are 120 of them without mass, started on Jupiter's orbit, up to 25 degrees from these
 points, over 600 years, seen in the frame that rotates with Jupiter (the Sun is yellow, Jupiter red): none leaves, and each
-swings around its point in about 150 years.
+oscillates about its point with a period of about 150 years.
 """
 
 import matplotlib.pyplot as plt
@@ -34,9 +34,9 @@ ax.plot(place[:, 2:62].real, place[:, 2:62].imag, linewidth=0.4, color="C0")
 ax.plot(place[:, 62:].real, place[:, 62:].imag, linewidth=0.4, color="C2")
 ax.plot(0, 0, "o", color="gold", markersize=14)
 ax.plot(place[0, 1].real, 0, "o", color="C3", markersize=9)
-ax.set(aspect="equal", xlabel="au", ylabel="au, turning with Jupiter")
+ax.set(aspect="equal", xlabel="towards Jupiter (au)", ylabel="along its motion (au)")
 swing = np.degrees(np.angle(place[:, 2:]))
 print(f"angles to Jupiter between {abs(swing).min():.0f} and {abs(swing).max():.0f} degrees")
 first = swing[:, 10] - 60  # of one: the time between zeros on the way up
 zeros = sol.t[1:][(first[1:] > 0) & (first[:-1] <= 0)]
-print(f"one of them swings in {np.diff(zeros).mean():.0f} years")
+print(f"one of them oscillates with a period of {np.diff(zeros).mean():.0f} years")

@@ -5,7 +5,7 @@ A gap in Saturn's rings
 Cassini's division begins 117,500 km from the centre of Saturn, next to where a particle goes around twice while the moon Mimas
 goes around once. Mimas has 7 hundred-millionths of Saturn's mass, and yet it takes particles there out of their circles, by 50
 km in eight years, because its pull comes again and again at the same place. (Saturn is a point here. Its flattening shifts the
-resonance outwards by some hundred kilometres, and collisions, which open the gap in the end, are left out.)
+resonance outwards by several hundred kilometres, and collisions, which open the gap in the end, are left out.)
 """
 
 import matplotlib.pyplot as plt

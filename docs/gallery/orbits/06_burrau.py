@@ -4,7 +4,7 @@ Burrau's three bodies
 
 Three bodies of masses 3, 4 and 5 begin at rest in the corners of a right-angled triangle (Burrau 1913). They meet again and
 again, until at t = 60 the lightest leaves, and the other two go away as a close pair (Szebehely and Peters 1967). Close
-passages need steps controlled by their error, and each passage magnifies the errors of those before.
+passages need short steps, chosen here by an estimate of their error, and each passage magnifies the errors made before it.
 """
 
 import matplotlib.pyplot as plt
@@ -25,5 +25,5 @@ pairs = np.linalg.norm(sol.x[:, [0, 0, 1]] - sol.x[:, [1, 2, 2]], axis=2)
 print(f"{sol.n_steps} steps from {sol.step_range[0]:.1e} to {sol.step_range[1]:.1e}; closest passage {pairs.min():.4f}")
 print(
     f"distances at t = 70: {np.round(pairs[-1], 1)}; "
-    f"energy lost {sol.energy[-1] - sol.energy[0]:.0e} of {sol.energy[0]:.3f}"
+    f"the energy, {sol.energy[0]:.3f}, is off by {abs(sol.energy[-1] - sol.energy[0]):.0e}"
 )

@@ -2,9 +2,10 @@
 A swing past Jupiter
 ====================
 
-A probe comes from the Earth's orbit, on an ellipse that would lead it back. It passes behind Jupiter, as near as Voyager 1 did
-in 1979, 4.9 of its radii, and is turned forwards. Seen from Jupiter it leaves as fast as it came; seen from the Sun it has
-gained so much that it never comes back. The run starts in the middle and goes both ways, since time may run backwards.
+A probe comes from the Earth's orbit, on an ellipse that would lead it back. It passes behind Jupiter, as near as Voyager 1
+did in 1979, at 4.9 of its radii, and its path is bent forwards. Seen from Jupiter it leaves as fast as it came; seen from the
+Sun it has gained so much that it never comes back. The run starts in the middle and goes both ways, since time may run
+backwards.
 """
 
 import matplotlib.pyplot as plt
@@ -16,7 +17,7 @@ GM, mass, a = 4 * np.pi**2, 1 / 1047.35, 5.2  # au^3/yr^2, Jupiter's mass over t
 km_s = 149_597_870.7 / 31_557_600.0
 closest, far_speed = 4.9 * 71_492 / 149_597_870.7, 10.8 / km_s  # au, au/yr
 turn = 2 * np.arcsin(1 / (1 + closest * far_speed**2 / (GM * mass)))
-heading = np.radians(-30) + turn / 2  # at the closest point, and of the planet's place: to the left
+heading = np.radians(-30) + turn / 2  # at the closest point; Jupiter is to the left
 speed = np.sqrt(far_speed**2 + 2 * GM * mass / closest)
 planet = np.array([[a, 0, 0], [0, np.sqrt(GM / a), 0]])
 probe = planet + np.array([

@@ -3,7 +3,7 @@ Fermi, Pasta, Ulam and Tsingou
 ==============================
 
 In 1955 a chain of 32 masses with slightly nonlinear springs was to show on a computer how energy spreads over all
-modes. It did not: nearly all of it came back to the first mode.
+modes. The energy did not spread: nearly all of it came back to the first mode.
 
 The same chain, the same strength, :math:`\\alpha = 1/4`: after 153 periods of the first mode, 98 % of the energy is
 back in it.

@@ -2,9 +2,10 @@
 The pendulum wave
 =================
 
-Fifteen pendulums side by side, so long that in a minute the first swings 51 times and the last 65 times. Released together, they
-make waves that run, stand, and dissolve, and after a minute all of them are together again. Angles are small here, 5
-degrees, and yet large enough to matter: at this amplitude, periods are 0.05 % longer, and so all pendulums meet 0.03 s late.
+Fifteen pendulums side by side, of such lengths that in a minute the first swings 51 times and the last 65 times. Released
+together, they make waves that run, stand, and dissolve, and after a minute all of them are together again. Angles are small
+here, 5 degrees, and yet large enough to matter: at this amplitude, periods are 0.05 % longer, and so all pendulums meet 0.03
+s late.
 """
 
 import matplotlib.pyplot as plt

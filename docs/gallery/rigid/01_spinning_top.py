@@ -3,7 +3,7 @@ A spinning top
 ==============
 
 A cone on its tip, spinning at 600 rad/s and leaning by 25 degrees, does not fall: its axis precesses about the vertical
-and, as it was released at rest, nutates a little.
+and, since it was at rest when the top was released, nutates a little.
 
 The rate of slow precession is the smaller root of :math:`I_1 \\cos \\theta\\, \\Omega^2 - I_3 \\omega\\, \\Omega + m g
 l = 0`, near :math:`m g l / (I_3 \\omega)`.
