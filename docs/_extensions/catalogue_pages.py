@@ -47,7 +47,7 @@ def _anchor(kind: Kind) -> str:
 
 
 def _evaluations(method: Method) -> str:
-    return str(evaluations_of(method)) if method.explicit else "iterated"
+    return str(evaluations_of(method) or "varies") if method.explicit else "iterated"
 
 
 def _order(method: Method) -> str:
@@ -179,7 +179,7 @@ def _systems_page() -> str:
     scenes = [
         [f"`{name}`", scene.what, f"{scene.duration:g}", f"{1e3 * scene.step:.3g}"] for name, scene in SCENES.items()
     ]
-    columns = ("name", "state", "unit of time", "conserved", "exact motion known", "source")
+    columns = ("name", "shape of the state", "unit of time", "conserved", "exact motion known", "source")
     return _SYSTEMS_TEXT.format(
         systems=_table(columns, rows), scenes=_table(("name", "what happens", "duration (s)", "step (ms)"), scenes)
     )

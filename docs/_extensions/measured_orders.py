@@ -99,7 +99,7 @@ CASES = {
         "a star and two planets of a twentieth of its mass", _two_heavy_planets(), None, None, 6.0, 0.5
     ),
     Kind.MULTIRATE: Case(
-        r"$x'' = -x - 25 x^3$, the second of which is fast",
+        r"$x'' = -x - 25 x^3$, the second term of which is fast",
         kd.Multirate(slow_force=lambda x: -x, fast_force=lambda x: -25 * x**3), 0.5, 0.3, 3.0, 0.2,
     ),
     Kind.OSCILLATORY: Case(

@@ -19,7 +19,7 @@ def _method_row(method: Method) -> list[str]:
         method.name,
         f"{method.order} {method.generalised_order}" if method.generalised_order else f"{method.order}",
         "yes" if method.symmetric else "no",
-        f"{evaluations_of(method)}" if method.explicit else "iterated",
+        str(evaluations_of(method) or "varies") if method.explicit else "iterated",
         "all but constraints and noise" if method.kind is Kind.FIRST_ORDER else method.kind.value,
         ", ".join(method.aliases) or "-",
         method.source,
