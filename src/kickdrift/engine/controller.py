@@ -121,8 +121,7 @@ def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayL
         return LocalError(1e-3 if rtol is None else rtol, 1e-6 if atol is None else atol)
     if step is None and not isinstance(wanted, LocalError):
         raise ArgumentError(
-            "step is missing: give the step size, or with step_control the first one; only rtol and atol determine it"
-            " themselves."
+            "step is missing; give the step size, or the tolerances rtol= and atol=, with which steps are chosen for you."
         )
     if isinstance(wanted, str) or (callable(wanted) and not isinstance(wanted, type)):
         return HairerSoderlind(wanted)
