@@ -55,7 +55,7 @@ def newtons_cradle(
 
 
 def bouncing_disk(*, radius: float = 0.1, speed: float = 5.0, restitution: float = 0.9) -> World:
-    """Strike a ball that rests on the floor upwards.
+    """Throw a ball up from the floor: it bounces, lower each time, as a disk does in two dimensions.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ SCENES: dict[str, Scene] = {
     "pyramid": Scene(pyramid, 5.0, 1 / 60, "55 cubes stand on each other"),
     "pile": Scene(lambda: pile(count=(8, 8, 16), spacing=1.8, turn=6.0), 7.0, 1 / 60, "1024 cubes fall into a heap"),
     "dominoes": Scene(dominoes, 3.0, 1 / 240, "30 dominoes fall over"),
-    "bouncing-disk": Scene(bouncing_disk, 8.0, 1 / 100, "a ball bounces, lower each time"),
+    "bouncing-disk": Scene(bouncing_disk, 8.0, 1 / 100, "a ball bounces, lower each time; in two dimensions, a disk"),
     "cradle": Scene(lambda: newtons_cradle().world, 6.0, 1 / 240, "balls on strings pass a blow on"),
     "ragdolls": Scene(ragdolls, 4.0, 1 / 60, "16 limp humanoids fall onto each other"),
     "humanoid": Scene(lambda: humanoid().world, 5.0, 1 / 200, "a person stands, held by springs in the joints"),
