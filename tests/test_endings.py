@@ -143,7 +143,7 @@ def test_a_wait_for_the_compiler_is_announced_wherever_one_waits(progress, said,
     kd.solve(force, (0.0, 1.0), 1.0, 0.0, step=0.1, progress=progress)
     lines = capsys.readouterr().err.splitlines()
     assert [line for line in lines if line.startswith("kickdrift: compiling")] == (
-        ["kickdrift: compiling; this takes some seconds ..."] if said else []
+        ["kickdrift: compiling; this takes a few seconds ..."] if said else []
     )
     assert any("compiled in" in line for line in lines) == said
     kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1, progress=progress)

@@ -2,7 +2,7 @@
 
 SciPy's events, dense output and `t_eval` work with them. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], where
 v' may depend on t and x, and x' on t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function
-in Python; `kickdrift.solve` is some hundred times as fast, and supports other kinds of problem.
+in Python; `kickdrift.solve` is about a hundred times as fast, and supports other kinds of problem.
 """
 
 import math

@@ -71,7 +71,7 @@ class _Wait:
         _print(
             f"compiling {self._what} once on this machine ..."
             if self._what
-            else "compiling; this takes some seconds ..."
+            else "compiling; this takes a few seconds ..."
         )
 
 

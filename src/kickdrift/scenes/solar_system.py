@@ -65,7 +65,7 @@ def planets(
     bodies: Sequence[str] | None = None,
     progress: bool | None = None,
 ) -> Solution:
-    """Integrate the solar system from J2000 on, keeping at most some thousand rows and JPL's epochs among them.
+    """Integrate the solar system from J2000 on, keeping at most a few thousand rows and JPL's epochs among them.
 
     Parameters
     ----------

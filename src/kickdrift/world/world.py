@@ -113,7 +113,7 @@ class World(
         m/s and s, see `sleeping`.
     threads : bool
         Whether contacts are distributed over Numba's threads (``numba.set_num_threads``), with the same bits for any number of
-        them. Worthwhile from some thousand bodies on, on otherwise idle cores. Processes forked from one that has used
+        them. Worthwhile from about a thousand bodies on, on otherwise idle cores. Processes forked from one that has used
         threads run on one thread.
     plane_normal : (3,) array_like, optional
         Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. Walls oblique to
