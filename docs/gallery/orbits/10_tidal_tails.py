@@ -4,7 +4,7 @@ Two galaxies meet
 
 Two point masses, each surrounded by a disk of massless stars, pass each other on a parabola. Bridges and tails are drawn out
 of the disks by gravity alone: the classic of Toomre and Toomre (1972), which explained the Antennae and the Mice. Units are the
-mass of a galaxy and the closest distance of the two masses on the parabola, and G = 1.
+mass of a galaxy and the least distance between the two masses on the parabola, and G = 1.
 """
 
 import matplotlib.pyplot as plt

@@ -95,7 +95,7 @@ class World(
         of the kick before the drift and half after it (Stoermer-Verlet). If False, all move with the velocity after the kick
         (semi-implicit Euler).
     margin, slop : float
-        The distance of shapes at which a contact between them is created, and the depth to which they may overlap; m.
+        The distance between shapes at which a contact between them is created, and the depth to which they may overlap; m.
     contact_hertz, contact_damping : float
         Frequency, Hz, and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
         divided by the substep, the stiffest that does not disturb high stacks.

@@ -20,7 +20,7 @@ class Distance(Record):
     anchor_a, anchor_b : (3,) array_like
         The points, in the world, m.
     length : float, optional
-        m; by default the current distance of the points.
+        m; by default the current distance between the points.
 
     Raises
     ------

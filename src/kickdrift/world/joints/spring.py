@@ -23,7 +23,7 @@ class Spring(Record):
     anchor_a, anchor_b : (3,) array_like
         The points, in the world, m.
     length : float, optional
-        Rest length, m; by default the current distance of the points.
+        Rest length, m; by default the current distance between the points.
     hertz, damping_ratio : float, optional
         Natural frequency, Hz, and damping over critical damping.
     stiffness, damping : float
