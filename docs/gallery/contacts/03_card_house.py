@@ -3,7 +3,7 @@ A house of cards
 ================
 
 Three storeys of cards that lean against each other in pairs, with a long card across each storey. The house stands by friction
-alone, until a marble hits it.
+alone. A marble then knocks down its upper part, and the lowest storey still stands.
 """
 
 import numpy as np
@@ -39,5 +39,5 @@ falls = world.run(duration=1.0, step=1 / 240)
 after = falls.plot()
 print(
     f"in 3 s the cards moved by at most {1e3 * moved:.2f} mm; "
-    f"then a marble of {1e3 * 2500 * 4.19 * 0.012**3:.0f} g knocks them down"
+    f"then a marble of {1e3 * 2500 * 4.19 * 0.012**3:.0f} g hits the house"
 )
