@@ -567,3 +567,44 @@ def test_rods_on_lines_swing_alike_whichever_body_was_named_first(seed):
         world.advance(STEP, 60)
         places.append(world.position[1:].copy())
     assert places[1] == pytest.approx(places[0], abs=1e-3)
+
+
+# Islands that press on each other
+
+
+def track(wheelbase, mass, link_mass, count):
+    """Make a vehicle of two wheels within a closed chain, 2 cm above the ground."""
+    world, bend, height = World(plane_normal=ACROSS), 0.33, 0.37
+    world.add_plane(friction=0.9)
+    hull = world.add_box((wheelbase, 0.3, 0.2), position=(0, 0, height), mass=mass, collides_with=())
+    for x in (-wheelbase / 2, wheelbase / 2):
+        options = {"orientation": (1, 1, 0, 0), "mass": 2.0, "friction": 1.2, "layer": 1, "collides_with": (2,)}
+        wheel = world.add_cylinder(0.3, 0.3, position=(x, 0, height), **options)
+        world.add_hinge(hull, wheel, anchor=(x, 0, height), axis=ACROSS)
+    half, pins, links = wheelbase + math.pi * bend, [], []
+    for k in range(count):
+        side, s = divmod(2 * half * k / count, half)
+        turned = max(0.0, s - wheelbase) / bend
+        pins.append((-1) ** side * (min(s, wheelbase) - wheelbase / 2 + 1j * bend * np.exp(-1j * turned)))
+    for pin, after in itertools.pairwise([*pins, pins[0]]):
+        middle, angle = (pin + after) / 2, -np.angle(after - pin)
+        placed = {"position": (middle.real, 0, height + middle.imag)}
+        placed["orientation"] = (math.cos(angle / 2), 0, math.sin(angle / 2), 0)
+        size = (0.9 * abs(after - pin), 0.3, 0.04)
+        links.append(world.add_box(size, **placed, mass=link_mass, friction=1.0, layer=2, collides_with=(0, 1)))
+    for k, pin in enumerate(pins):
+        world.add_hinge(links[k - 1], links[k], anchor=(pin.real, 0, height + pin.imag), axis=ACROSS)
+    return world, hull
+
+
+@pytest.mark.parametrize(
+    ("wheelbase", "mass", "link_mass", "count"), [(1.566, 18.5, 0.921, 33), (1.375, 70.1, 0.461, 30)]
+)
+def test_a_track_that_lands_gains_no_energy_and_carries_its_wheels(wheelbase, mass, link_mass, count):
+    world, hull = track(wheelbase, mass, link_mass, count)
+    before = world.energy().total
+    for _ in range(30):
+        world.step(STEP)
+        assert world.energy().total < before + 1e-6
+    assert apart(world) < 1e-3
+    assert hull.position[2] > 0.33  # a wheel and two links are 0.34 m high

@@ -84,6 +84,20 @@ def test_a_spring_without_damping_keeps_its_energy():
     assert farthest[-1] == pytest.approx(farthest[0], rel=0.005)  # a damping ratio of 1e-4 would take 3.7 %
 
 
+@pytest.mark.parametrize("aside", [0.0, 0.01])
+def test_a_mass_that_passes_the_other_end_of_its_spring_gains_no_energy(aside):
+    energies = []
+    for start in np.linspace(-0.65, -0.35, 11):
+        world = World((0, 0, 0))
+        body = add(world, position=(start, aside, 0), velocity=(20, 0, 0))
+        world.add_spring(None, body, anchor_a=(0, 0, 0), anchor_b=(start, aside, 0), length=0.5, stiffness=1000.0)
+        world.advance(STEP, 240)  # a substep moves it by a sixth of the length
+        stretch = np.linalg.norm(world.position[body.index]) - 0.5
+        energies.append((world.energy().kinetic + 500 * stretch**2) / 200)
+    assert np.median(energies) == pytest.approx(1.0, abs=0.2)
+    assert max(energies) < 1.5
+
+
 def test_a_spring_turns_both_of_its_bodies_and_pulls_at_their_anchors():
     world = World((0, 0, 0))
     a, b = add(world, position=(-1, 0, 0), mass=1.0), add(world, position=(1, 0, 0), mass=3.0)

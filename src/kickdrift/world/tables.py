@@ -65,7 +65,7 @@ SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collis
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 # Trees of joints: see `kickdrift.world.joints.layout`
 ARTICULATION = Table(26, 8, whole=True)
-LINK = Table(46, 10, whole=True)  # a body of an articulation and its joint to the parent, parents first
+LINK = Table(46, 11, whole=True)  # a body of an articulation and its joint to the parent, parents first
 LINK_NUMBERS = Table(47, 232)  # no step reads the data of another there
 GRAPH = Table(51, 4, whole=True)  # one row
 # The direct solver: see `kickdrift.world.direct.layout`

@@ -116,6 +116,7 @@ LINK_B = column(LINK)
 ROOT = column(LINK)  # first node of the island; NONE while it sleeps
 NODE_ROW = column(LINK)  # of the node in the order of elimination
 ISLAND_SIZE = column(LINK)  # of the island, where ROOT is the row itself
+ISLAND_ROOM = column(LINK)  # likewise: nodes that it may have
 NONE = -1
 
 # Columns of LINK_NUMBERS. Six numbers are three linear and three angular ones in the world's axes, or one per axis.

@@ -114,6 +114,19 @@ def look_here(world: int, joint: int, link: int) -> None:
     put_vector(work, link, j.ARM_B_AHEAD, vector_at(numbers, joint, j.ARM_B))
 
 
+@compiled(inline=True, cached=False)
+def _keep_passing_line(world: int, joint: int, link: int) -> None:
+    """Use the present axes where a line turns over in the substep, as that of a spring one end of which passes the other.
+
+    Its force along the line at the start would act against its speed along that at the end: the median of twenty masses that
+    pass through the other end of their springs at 20 m/s, 13 times a second, then has 3.7 times its energy after 4 s.
+    """
+    work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    if dot(vector_at(numbers, joint, j.AXES + 6), vector_at(work, link, j.AXES_AHEAD + 6)) < 0.0:
+        for k in range(9):
+            work[link, j.AXES_AHEAD + k] = numbers[joint, j.AXES + k]
+
+
 @compiled(cached=False)
 def _look_ahead(world: int, joint: int, link: int, h: float) -> None:
     """Compute the error of locked axes at the end of the substep with the present velocities, and where they then are.
@@ -143,6 +156,7 @@ def _look_ahead(world: int, joint: int, link: int, h: float) -> None:
         off = way
         if joints[joint, j.LINEAR] == j.LINE:
             off = put_line(work, link, j.AXES_AHEAD, way, fa, numbers[joint, j.LENGTH])
+            _keep_passing_line(world, joint, link)
         put_vector(numbers, joint, j.MISALIGNMENT, off)
     if joints[joint, j.ANGULAR] >= j.LOOSE:
         return
