@@ -91,7 +91,7 @@ def test_pairs_that_are_sought_again_around_strays_are_all_that_are_near():
                 if np.linalg.norm(nearest(VERTEX_FACE, *map(tuple, x[[i, *face]]))[1]) < 0.005:
                     near += 1
                     assert (i, *face) in known
-    assert near > 50
+    assert near > 50  # 87 are
     assert 0.1 < max(stray) < 0.5
     assert min(stray) == 0.0
 

@@ -194,8 +194,12 @@ def test_all_zeros_within_a_step_are_found_with_a_bound_of_the_rate(direction, e
     def cubic(t, x):
         return (t - 0.25) * (t - 0.3) * (t - 0.35) + 0.0 * x[0]
 
+    def from_zero_to_zero(t, x):
+        return (t - 0.25) * (t - 0.3) * (t - 0.5) + 0.0 * x[0]
+
     options = {"step": 0.25, "method": "velocity-verlet", "progress": False}
-    options["events"] = [with_attributes(f, direction=direction, rate_bound=30.1) for f in (wave, cubic)]
+    functions = wave, cubic, from_zero_to_zero
+    options["events"] = [with_attributes(f, direction=direction, rate_bound=30.1) for f in functions]
     if ensemble:
         sol = kd.solve_ensemble(lambda x: -x, (0.0, 2.0), np.ones((9, 1)), np.zeros((9, 1)), **options)[8]
     else:
@@ -206,6 +210,10 @@ def test_all_zeros_within_a_step_are_found_with_a_bound_of_the_rate(direction, e
         waves, cubics = waves[(-1.0) ** counts == direction], cubics[np.array([1, -1, 1]) == direction]
     np.testing.assert_allclose(sol.t_events[0], waves, atol=1e-13)
     np.testing.assert_allclose(sol.t_events[1], cubics, atol=1e-13)
+    others = np.array([0.25, 0.3, 0.5])
+    np.testing.assert_allclose(
+        sol.t_events[2], others[np.array([1, -1, 1]) == direction] if direction else others, atol=1e-13
+    )
 
 
 @pytest.mark.parametrize("ensemble", [False, True])

@@ -1,4 +1,7 @@
-"""Rows of free bodies of 10 g to 100 kg, struck at one end with e = 0: in the end all move on together."""
+"""Rows of free balls of 10 g to 100 kg, struck at one end with e = 0: none passes through another.
+
+Mechanics lets all move on together; how far they are from that is printed, not judged.
+"""
 
 import numpy as np
 from scipy.spatial.distance import pdist

@@ -119,9 +119,11 @@ def with_zeros(
     """
     which, parts = np.arange(steps.t.size), steps
     done = []
-    for _ in range(_HALVINGS):
+    for halving in range(_HALVINGS):
         way = bound * np.abs(parts.size) * (parts.end - parts.begin)
-        rests = (parts.first == 0.0) & (parts.last == 0.0)
+        rests = (
+            (parts.first == 0.0) & (parts.last == 0.0) & (halving > 0)
+        )  # it may be zero at three points, not for long
         near = (np.abs(parts.first) + np.abs(parts.last) <= way) & ~rests  # it may turn there
         done.append((parts.part(~near), which[~near]))
         which, parts = which[near], parts.part(near)

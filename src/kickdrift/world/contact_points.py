@@ -11,7 +11,7 @@ from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BODY_ROW, ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION
-from kickdrift.world.settings import STEP, SUBSTEPS
+from kickdrift.world.settings import LAST_SUBSTEP
 from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, POSE, SETTINGS, SHAPE, Tables
 
 Floats = NDArray[np.float64]
@@ -41,13 +41,13 @@ class Contact(NamedTuple):
 
 
 class _Points(NamedTuple):
-    """Points of contacts, at most one of each: rows of CONTACT; on both shapes, (N, 3), m; normals; impulses, N s."""
+    """N points, at most one of each contact, in the world."""
 
-    row: NDArray[np.intp]
-    on_a: Floats
+    row: NDArray[np.intp]  # of the contact in CONTACT
+    on_a: Floats  # (N, 3), on the first shape, m
     on_b: Floats
     normal: Floats
-    impulse: Floats
+    impulse: Floats  # N s
 
 
 def contact_points(tables: Tables) -> Floats:
@@ -69,7 +69,7 @@ def contacts(tables: Tables, bodies: Bodies) -> list[Contact]:
         normal, pressed = points[0][1], sum(impulse for _, _, impulse in points)
         impulse = pressed * normal + manifolds[row, c.FRICTION_IMPULSE : c.FRICTION_IMPULSE + 3]
         body_a, body_b = (bodies.handle(int(rows[row, body])) for body in (c.BODY_A, c.BODY_B))
-        force = impulse * (settings[SUBSTEPS] / settings[STEP])
+        force = impulse / settings[LAST_SUBSTEP]
         made.append(Contact(body_a, body_b, np.array([point for point, _, _ in points]), normal, force))
     return made
 

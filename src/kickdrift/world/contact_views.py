@@ -1,8 +1,11 @@
 """The contacts of a world as its users see them."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
-from kickdrift.world.contact_points import Contact, Floats, contact_points, contacts
+from kickdrift.world.contact_points import Contact, contact_points, contacts
 from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.tables import Tables
 
@@ -44,7 +47,7 @@ class ContactViews:
             return contacts(self.tables, self.bodies)
 
     @property
-    def contact_points(self) -> Floats:
+    def contact_points(self) -> NDArray[np.float64]:
         """Points at which bodies pressed on each other in the last step, (P, 3), m; those of cloths are not among them."""
         with self.tables.lock:
             return contact_points(self.tables)

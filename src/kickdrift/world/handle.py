@@ -49,7 +49,10 @@ class Handle:
 
     @property
     def name(self) -> str | None:
-        """Its name, or None; unique in the world. Can be set. Of what was removed, or has broken, its last name."""
+        """Its name, or None; unique in the world. Can be set.
+
+        Of what was removed, or has broken, the last name that this handle has seen.
+        """
         if self._registry.knows(self.index, self._generation):
             self._last_name = self._registry.names.of(self.index)
         return self._last_name
@@ -58,6 +61,7 @@ class Handle:
     def name(self, name: str | None) -> None:
         row, names = self._registry.row(self), self._registry.names
         names.give(row, names.checked(name, row))
+        self._last_name = names.of(row)
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):

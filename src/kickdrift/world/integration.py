@@ -67,7 +67,7 @@ from kickdrift.world.layout import (
     VELOCITY,
     WHOLE_KICK,
 )
-from kickdrift.world.settings import GRAVITY, MIDPOINT, PLANE_NORMAL
+from kickdrift.world.settings import GRAVITY, LAST_SUBSTEP, MIDPOINT, PLANE_NORMAL, SUBSTEPS
 from kickdrift.world.step.status import report_body
 from kickdrift.world.tables import (
     BODY,
@@ -106,8 +106,12 @@ def find_lost(t: float, h: float, world: int) -> None:
 
 @compiled
 def finish(t: float, h: float, world: int) -> None:
-    """Clear the loads and the impulses kept for a rollback, once no batch can ask for the step to be done again."""
-    load = floats(world, LOAD)
+    """Clear the loads and the impulses kept for a rollback, once no batch can ask for the step to be done again.
+
+    Note the length of the substeps, to which the impulses belong: it may be set before they are read.
+    """
+    load, settings = floats(world, LOAD), floats(world, SETTINGS)
+    settings[0, LAST_SUBSTEP] = h / settings[0, SUBSTEPS]
     for body in range(rows(world, LOAD)):
         for k in range(6):
             load[body, k] = 0.0

@@ -172,5 +172,7 @@ def _check_settings(rows: FileTables) -> None:
     rows.within("SETTINGS", s.SUBSTEPS, 1, MOST_SUBSTEPS)
     rows.holds("SETTINGS", s.SUBSTEPS, rows["SETTINGS"][0, s.SUBSTEPS] % 1.0 == 0.0)
     rows.holds("SETTINGS", s.MARGIN, rows["SETTINGS"][0, [s.MARGIN, s.SLOP]] > 0.0)
+    pressed = rows["MANIFOLD"][:, c.NORMAL_IMPULSE : c.NORMAL_IMPULSE + 4].any()
+    rows.holds("SETTINGS", s.LAST_SUBSTEP, 0.0 < rows["SETTINGS"][0, s.LAST_SUBSTEP] < np.inf or not pressed)
     for column in (s.UNSOLVED_BODY, s.FAST_BODY, s.MISSED_BODY):
         rows.within("SETTINGS", column, 0, len(rows["BODY"]) - 1)

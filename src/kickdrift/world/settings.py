@@ -19,11 +19,12 @@ SLEEP_SPEED = column(SETTINGS, 1, "m/s")  # below which an island may fall aslee
 SLEEP_TIME = column(SETTINGS, 1, "s")
 HAS_FAST = column(SETTINGS)  # 1.0 once the step has the stage for fast pairs
 HAS_DIRECT = column(SETTINGS)  # 1.0 once the step has the stages of the direct solver
-# Not settings but results: the residual of the last step, and the contents of warnings. Of a body that is left unsolved, its
-# row, and since when; of one that turns too fast, its row, the end of the first step in which it did, its rate, the
-# fraction of the energy that was lost, since when, and how long substeps should be instead; of one that may have missed a
-# contact, or whose impacts had no end, its row, and the time.
+# Not settings but results: the residual of the last step, the length of its substeps, and the contents of warnings. Of a body
+# that is left unsolved, its row, and since when; of one that turns too fast, its row, the end of the first step in which it
+# did, its rate, the fraction of the energy that was lost, since when, and how long substeps should be instead; of one that may
+# have missed a contact, or whose impacts had no end, its row, and the time.
 RESIDUAL = column(SETTINGS, 1, "m/s")
+LAST_SUBSTEP = column(SETTINGS, 1, "s")
 UNSOLVED_BODY, UNSOLVED_SINCE = column(SETTINGS), column(SETTINGS, 1, "s")
 FAST_BODY, FAST_TIME = column(SETTINGS), column(SETTINGS, 1, "s")
 FAST_RATE, FAST_LOSS, FAST_SINCE = column(SETTINGS, 1, "rad/s"), column(SETTINGS), column(SETTINGS, 1, "s")

@@ -51,9 +51,8 @@ def along(k: int, a: Floats, b: Floats, work: Floats) -> float:
             length += slopes[i] * slopes[i]
             across_a += slopes[i] * a[i]
             across_b += slopes[i] * b[i]
-        if (
-            length > 0.0
-        ):  # the difference of the products would round to a slip of 1e-8 of the speed of a surface that moves
+        # The difference of the products would round to a slip of 1e-8 of the speed of a surface that moves.
+        if length > 0.0:
             for i in range(first, first + size):
                 total += (a[i] - across_a * slopes[i] / length) * (b[i] - across_b * slopes[i] / length)
     return total

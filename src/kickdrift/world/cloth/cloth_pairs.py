@@ -17,12 +17,12 @@ from kickdrift.world.cloth.face_normals import is_flat
 from kickdrift.world.cloth.face_pairs import overlap, pair_faces
 from kickdrift.world.cloth.layout import (
     BETWEEN,
+    CROSSING_COUNT,
     CROSSINGS,
     FIRST_NODE,
     HAS_STRAYED,
     INVALID,
     IS_CONNECTED,
-    IS_TANGLED,
     LAST_NODE,
     MEETS_ITSELF,
     NEAR_NODE,
@@ -99,7 +99,7 @@ def _drop_pairs(world: int) -> None:
     pair, numbers, zone = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), integers(world, ZONE)
     floats(world, CLOTH_SEARCH)[0, CROSSINGS], count = 0.0, 0
     for i in range(rows(world, PARTICLE)):
-        zone[i, IS_TANGLED] = 0
+        zone[i, CROSSING_COUNT] = 0
     for row in range(rows(world, CLOTH_PAIR)):
         f, g = pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1]
         if has_strayed(world, f) or has_strayed(world, g):

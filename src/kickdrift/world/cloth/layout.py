@@ -249,7 +249,7 @@ NOT_LAID = -1.0
 
 # ZONE
 IN_ZONE = column(ZONE)  # parent in the disjoint sets of particles
-IS_TANGLED = column(ZONE)  # number of pairs of triangles that cross, one of which is of it
+CROSSING_COUNT = column(ZONE)  # number of pairs of triangles that cross, one of which is of it
 IS_STRAY = column(ZONE)  # 1 if it has left its predicted path, so that its pairs are sought again
 STAR = column(ZONE)  # whether the triangles around it are flat
 NOT_KNOWN, FLAT, FOLDED = 0, 1, 2  # values of STAR

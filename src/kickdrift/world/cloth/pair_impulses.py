@@ -5,8 +5,8 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.layout import (
+    CROSSING_COUNT,
     FIRST_HELD,
-    IS_TANGLED,
     NEXT_HELD,
     NONE_HELD,
     PAIR_APART,
@@ -124,7 +124,9 @@ def particles_of(world: int, row: int) -> Corners:
 def is_free(world: int, row: int) -> bool:
     """Whether a particle of a pair is tangled, so that it may pass."""
     zone, (p, a, b, c) = integers(world, ZONE), particles_of(world, row)
-    tangled: bool = zone[p, IS_TANGLED] + zone[a, IS_TANGLED] + zone[b, IS_TANGLED] + zone[c, IS_TANGLED] > 0
+    tangled: bool = (
+        zone[p, CROSSING_COUNT] + zone[a, CROSSING_COUNT] + zone[b, CROSSING_COUNT] + zone[c, CROSSING_COUNT] > 0
+    )
     return tangled
 
 

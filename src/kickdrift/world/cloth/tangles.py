@@ -10,7 +10,14 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
-from kickdrift.world.cloth.layout import CORNERS, CROSSINGS, IS_TANGLED, PAIR_FACES, PAIR_KIND, PARTICLE_INVERSE_MASS
+from kickdrift.world.cloth.layout import (
+    CORNERS,
+    CROSSING_COUNT,
+    CROSSINGS,
+    PAIR_FACES,
+    PAIR_KIND,
+    PARTICLE_INVERSE_MASS,
+)
 from kickdrift.world.cloth.proximity import barycentric
 from kickdrift.world.columns import vector_at
 from kickdrift.world.step.status import ask_for_room
@@ -30,7 +37,7 @@ from kickdrift.world.tables import (
 )
 
 CROSSING = 2  # kind of a pair of triangles
-# Of the speed at which things are pushed apart: for each edge, and for all crossings of a particle together, so that a
+# Of the speed at which triangles are pushed apart: for each edge, and for all crossings of a particle together, so that a
 # crumpled sheet with a thousand crossings gains no energy. Impulses in place of shifts throw sheets about.
 _SHARE, _SHARE_OF_ALL = 0.25, 0.5
 _MISSES = -1.0
@@ -57,8 +64,8 @@ def tangle(world: int, f: int, g: int) -> None:
     """Count a crossing of two triangles at their corners, which are tangled."""
     face, zone = integers(world, FACE), integers(world, ZONE)
     for k in range(3):
-        zone[face[f, CORNERS + k], IS_TANGLED] += 1
-        zone[face[g, CORNERS + k], IS_TANGLED] += 1
+        zone[face[f, CORNERS + k], CROSSING_COUNT] += 1
+        zone[face[g, CORNERS + k], CROSSING_COUNT] += 1
     floats(world, CLOTH_SEARCH)[0, CROSSINGS] += 1.0
 
 
@@ -118,7 +125,7 @@ def untangle(world: int, row: int, distance: float) -> None:
     f, g = pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1]
     face, zone, most = integers(world, FACE), integers(world, ZONE), 1
     for k in range(3):
-        most = max(most, zone[face[f, CORNERS + k], IS_TANGLED], zone[face[g, CORNERS + k], IS_TANGLED])
+        most = max(most, zone[face[f, CORNERS + k], CROSSING_COUNT], zone[face[g, CORNERS + k], CROSSING_COUNT])
     share = min(_SHARE, _SHARE_OF_ALL / most)
     for k in range(3):
         for first, second in ((f, g), (g, f)):

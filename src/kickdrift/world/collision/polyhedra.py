@@ -144,7 +144,7 @@ def touching(
             continue
         if attempt >= 2 or abs(depth - gap) <= off:
             kept = choose(candidates, count, normal, tolerance, chosen)
-            if height <= margin:
+            if least <= height <= margin:
                 ids = beside + (MOST_VERTICES if by_b else 0)
                 put_candidate(candidates, CANDIDATE * count, vertex(other_seen, beside), height, ids)
                 kept = add_to_chosen(candidates, count, chosen, kept)

@@ -33,8 +33,8 @@ _W = c.WIDTH
 _SIZE = c.FIELDS * _W
 
 # Residuals above _NOTED times the velocity that gravity and forces add in a step are noted, and above _FAR times that they are
-# far too large. Without gravity and forces that velocity is one that lets bodies sink by _SUNK of the slop in a step: about
-# that of gravity at 1/60 s.
+# far too large. Without gravity and forces, the velocity that lets bodies sink by _SUNK of the slop in a step takes its place:
+# about that of gravity at 1/60 s.
 _NOTED, _FAR, _SUNK = 0.01, 30.0, 0.5
 
 # Bits of RESIDUAL_SIZE: in this step the residual of a body was noted; was far too large; or the body has contacts that are

@@ -88,7 +88,9 @@ def find_bouncing(t: float, h: float, world: int) -> None:
         if not bounces or contact[row, c.PLACE_IN_GROUPS] < 0:
             continue
         linked = _is_linked(world, row)
-        if e > 0.0:
+        if (
+            e > 0.0
+        ):  # otherwise sweeps act between the impacts, too, and a light body between heavy ones passes on what hits it
             constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(world, substep, row)
         if not linked:
             bouncing[count, BOUNCING_CONTACT] = row

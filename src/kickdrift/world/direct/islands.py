@@ -62,9 +62,9 @@ from kickdrift.world.tables import (
 )
 
 # Largest number of nodes that contacts unite to an island with joints, since fill grows fast. Contacts between larger islands
-# are solved by each of them in turn. Sixteen ragdolls take 3.2 ms a step with 12 to 40 nodes, and 4.7 ms with 64. Trees of more
-# than half as many nodes may double: if a track of 33 links and the vehicle of 3 bodies within it are solved in turn, a drop by
-# 2 cm turns 17 J into 370 MJ.
+# are solved by each of them in turn. Sixteen ragdolls take 3.2 ms a step with 12 to 40 nodes, and 4.7 ms with 64. An
+# island that contains a tree of more than 16 nodes may have twice as many as the tree: if a track of 33 links and the vehicle
+# of 3 bodies within it are solved in turn, a drop by 2 cm turns 17 J into 370 MJ.
 LARGEST = 32
 
 
