@@ -106,10 +106,7 @@ def find_lost(t: float, h: float, world: int) -> None:
 
 @compiled
 def finish(t: float, h: float, world: int) -> None:
-    """Clear the loads and the impulses kept for a rollback, once no batch can ask for the step to be done again.
-
-    Note the length of the substeps, to which the impulses belong: it may be set before they are read.
-    """
+    """Clear the loads and what is kept for a rollback, and note the length of the substeps, to which impulses belong."""
     load, settings = floats(world, LOAD), floats(world, SETTINGS)
     settings[0, LAST_SUBSTEP] = h / settings[0, SUBSTEPS]
     for body in range(rows(world, LOAD)):

@@ -9,7 +9,7 @@ Simultaneous Impact" (2012): in each round all contacts that are the first to hi
 hits any more. So momentum passes through a row of touching balls, and symmetry is preserved.
 
 Contacts of shapes so fast that they may pass each other within the step are included even with e = 0: one sweep over the points
-of a manifold does not stop them.
+of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
 `kickdrift.world.contacts.simultaneous_impact` computes the other columns.
@@ -88,9 +88,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
         if not bounces or contact[row, c.PLACE_IN_GROUPS] < 0:
             continue
         linked = _is_linked(world, row)
-        if (
-            e > 0.0
-        ):  # otherwise sweeps act between the impacts, too, and a light body between heavy ones passes on what hits it
+        if e > 0.0:
             constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(world, substep, row)
         if not linked:
             bouncing[count, BOUNCING_CONTACT] = row
