@@ -28,5 +28,5 @@ places = recording.cloth("cloth")[-1]
 above = np.linalg.norm(places - [0, 0, 0.3], axis=1) - 0.3
 print(
     f"no vertex is nearer than {1e3 * above.min():.1f} mm to the ball; "
-    f"{(above < 0.01).mean():.0%} of the cloth lies on it"
+    f"{100 * (above < 0.01).mean():.0f} % of the cloth lies on it"
 )

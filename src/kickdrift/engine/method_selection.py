@@ -123,8 +123,8 @@ def _mismatch(named: Method, system: System) -> MethodMismatchError:
         best = methods.preferred(system.kind)
     description = f", or describe it as {_DESCRIPTIONS[named.kind]}" if named.kind in _DESCRIPTIONS else ""
     return MethodMismatchError(
-        f"method={named.name!r} is for {named.kind.value}, but {system.name!r} is of the kind {system.kind.value}: the"
-        f" method would lose its order there, or does not apply; use {best.name!r} (order {best.order}){description}."
+        f"method={named.name!r} is for {named.kind.value}, but {system.name!r} has {system.kind.value}, on which it loses its"
+        f" order or does not apply; use {best.name!r} (order {best.order}){description}."
     )
 
 

@@ -205,10 +205,9 @@ class Solution(Motion, Presented):
     def return_to(self, t: float) -> Solution:
         """Go back to an earlier time, by the steps of this run in reverse.
 
-        For reversible steps that vary, which then lead back to the start up to rounding: they go on with the density that
-        they have reached, and from the end of the last step. A new run of `kickdrift.solve` from the end takes other steps,
-        by the density there, which those of this run follow with an error of their own. Where steps are equal, it takes the
-        same ones.
+        For reversible steps that vary. They begin with the step density that the run has reached, at the end of its last
+        step, and lead back to the start up to rounding. A new run of `kickdrift.solve` from there would begin with another
+        density, and take other steps. With equal steps it takes the same ones: use it instead.
 
         Parameters
         ----------

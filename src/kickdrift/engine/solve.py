@@ -94,13 +94,13 @@ def solve(
     save_every : int, optional
         Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
     events : callable or list of callable, optional
-        Functions of the state, with arguments named as those of forces, whose zeros are located: ``solution.t_events`` and
-        the states there, as accurate as the method. Attributes select zeros: a positive ``direction`` those of increasing
-        functions, a negative one of decreasing ones; ``terminal``, True or a number, ends the run at the first or that zero;
-        with ``rate_bound``, a bound on the rate of change, all zeros within a step are found that are more than 1/256 of it
-        apart; a run in which a function changes faster than that ends. A zero at the start does not count. A function that
-        jumps over zero in an impact has a zero there, and so has a gap that closes in one. The states are those after the
-        impact.
+        Functions of the state, with arguments named as those of forces. Their zeros are located to the accuracy of the
+        method: ``solution.t_events``, and the states there. A function may have attributes. With a positive ``direction``
+        only zeros at which it increases count, with a negative one those at which it decreases. With ``terminal``, True or a
+        number n, the run ends at the first, or the n-th, zero. With ``rate_bound``, a bound on its rate of change, all zeros
+        more than 1/256 of a step apart are found, and the run ends if it changes faster; without, two zeros within a step
+        are missed. A zero at the start does not count. A function that jumps over zero in an impact has a zero there, and so
+        has a gap that closes in one; the states are those after the impact.
     impacts : Impacts or callable, optional
         Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
     switches : callable, optional
@@ -128,10 +128,9 @@ def solve(
     compile : bool
         Whether to compile Python functions with Numba; False runs them interpreted.
     check_bounds : bool
-        Whether an index out of bounds in a compiled function is an error, as in Python: at the start an ArgumentError, later
-        the end of the run, with the states up to there. False saves nothing measurable where a force does some arithmetic,
-        and up to a third of the time in loops that do little else, as along a chain of springs, but a wrong index then reads or
-        overwrites other memory.
+        Whether an index out of bounds in a compiled function is an error, as in Python: at the start an ArgumentError; later
+        it ends the run, which keeps the states until then. With False a wrong index reads or overwrites other memory. Only
+        loops that do little else gain from it, up to a third of their time, as along a chain of springs.
     progress : bool, optional
         Whether to show a progress bar. By default one shows on a terminal, for runs longer than two seconds.
     save_to : path, optional
