@@ -88,11 +88,10 @@ class AppliesForces:
     def add_force(self, force: Function) -> None:
         """Apply a force function of your own in every substep, compiled into the step.
 
-        It is called at the start and at the end of each substep, so that free bodies, and jointed ones without motors, drives
-        and friction, move as velocity Verlet has it. The search for contacts calls it once more before the substeps, and a step
-        that is repeated, or done in parts, calls it again, as often in each attempt and part: its result must depend on its
-        arguments alone. Sleeping bodies (``World(sleeping=True)``) are not woken by it, even when it changes; `apply_force`
-        wakes them.
+        It is called at both ends of each substep: free bodies, and jointed ones without motors, drives and friction, then move
+        as in the velocity Verlet method. Its result must depend on its arguments alone, because it is called more often than
+        that: once for the search for contacts, and again where a step is repeated or done in parts. It does not wake sleeping
+        bodies (``World(sleeping=True)``), even when it changes; `apply_force` does.
 
         Parameters
         ----------
