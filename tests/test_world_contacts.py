@@ -11,10 +11,9 @@ import scipy.spatial.distance
 import kickdrift as kd
 from kickdrift.scenes import worlds
 from kickdrift.world.contact_points import deepest_overlap
-from kickdrift.world.contacts import layout
 from kickdrift.world.contacts.colouring import OVERFLOW
 from kickdrift.world.layout import AWAKE
-from kickdrift.world.tables import BODY, COLOURS, CONTACT, MANIFOLD
+from kickdrift.world.tables import BODY, COLOURS
 from kickdrift.world.world import World
 
 G = 9.81
@@ -22,12 +21,11 @@ STEP = 1 / 60
 
 
 def loads(world):
-    """Sums of the normal impulses of the last substep over its length, N, by the rows of both bodies."""
-    rows, manifolds = world.tables.array(CONTACT), world.tables.array(MANIFOLD)
-    at = layout.NORMAL_IMPULSE + np.arange(4)
-    impulses = np.where(np.arange(4) < rows[:, layout.POINTS, None], manifolds[:, at], 0.0).sum(axis=1)
-    pairs = np.sort(rows[:, [layout.BODY_A, layout.BODY_B]], axis=1).tolist()
-    return {tuple(pair): impulse * world.substeps / STEP for pair, impulse in zip(pairs, impulses, strict=True)}
+    """Normal forces of contacts, N, by the rows of both bodies."""
+    return {
+        tuple(sorted((contact.body_a.index, contact.body_b.index))): contact.normal @ contact.force
+        for contact in world.contacts
+    }
 
 
 def awake(world):
