@@ -1,13 +1,10 @@
-"""What plain docstrings need to become pages: names in backticks are links, stars are stars, derivatives have primes."""
+"""What plain docstrings need to become pages: names in backticks link to what has a page, and stars are stars."""
 
 import re
 from typing import Any
 
 from docutils import nodes
 from sphinx.domains.python import PyXRefRole
-
-# The quotes of x' and x'', but not those of 'x' and the user's
-_PRIMES = re.compile(r"(?<![\w'])(d?[A-Za-z])('{1,2})(?![\w'])")
 
 
 class Name(PyXRefRole):
@@ -28,16 +25,12 @@ def leave_dangling(app: Any, env: Any, node: Any, content: nodes.Node) -> nodes.
 
 
 def escape(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Let ``(T, *shape)`` and ``|z|`` be text outside of code, no emphasis or substitution, and ``x''`` no quotation mark."""
+    """Let ``(T, *shape)`` and ``|z|`` be text outside of code, and no emphasis or substitution."""
     for number, line in enumerate(lines):
         if not line.lstrip().startswith((">>>", "...")):
             parts = re.split(r"(`+[^`]*`+)", line)
-            parts[::2] = [re.sub(r"(?=\||\*shape)", r"\\", _PRIMES.sub(_primed, part)) for part in parts[::2]]
+            parts[::2] = [re.sub(r"(?=\||\*shape)", r"\\", part) for part in parts[::2]]
             lines[number] = "".join(parts)
-
-
-def _primed(found: re.Match[str]) -> str:
-    return found[1] + " \u2032\u2033"[len(found[2])]
 
 
 def setup(app: Any) -> dict[str, bool]:
