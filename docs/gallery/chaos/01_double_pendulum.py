@@ -2,7 +2,7 @@
 Diverging double pendulums
 ==========================
 
-Ten double pendulums begin with angles that differ by a hundred-thousandth of a degree. For nine seconds they look like one,
+Ten double pendulums, each started a hundred-thousandth of a degree from the one before. For ten seconds they look like one,
 then they separate. SymPy derives the equations from the Lagrangian.
 """
 
