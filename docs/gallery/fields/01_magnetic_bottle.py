@@ -39,5 +39,7 @@ right.plot(sol.t, sol.x[:, 2], label="z")
 right.plot(sol.t, moment / moment[0], label="magnetic moment / initial value", linewidth=0.8)
 right.set(xlabel="t", ylim=(-0.9, 1.8))
 right.legend()
-print(f"turns around at z = {sol.x[:, 2].max():.3f}; moment within {100 * abs(moment / moment[0] - 1).max():.1f} %")
-print(f"energy within {kd.analysis.largest_energy_error(sol):.1e}")
+print(
+    f"turns around at z = {sol.x[:, 2].max():.3f}; moment constant to {100 * abs(moment / moment[0] - 1).max():.1f} %"
+)
+print(f"largest relative error of the energy {kd.analysis.largest_energy_error(sol):.1e}")

@@ -39,6 +39,6 @@ left.plot(recording.t[1:], x)
 left.set(xlabel="time (s)", ylabel="position of the piston (m)")
 right.plot(recording.t[1:], speeds, color="C1")
 right.set(xlabel="time (s)", ylabel="speed of the shaft (rad/s)")
-print(f"piston within {abs(x - exact).max():.0e} m of the formula")
+print(f"the piston is within {abs(x - exact).max():.0e} m of the formula")
 kinetic = recording.derived["kinetic energy"]
 print(f"largest relative error of the energy {abs(kinetic / kinetic[0] - 1).max():.0e}")

@@ -38,4 +38,4 @@ roots = np.roots([across * np.cos(lean), -along * spin, 0.2 * 9.81 * length])
 rate = np.polyfit(recording.t, around, 1)[0]
 print(f"precession {abs(rate):.3f} rad/s; theory {roots.min():.3f} rad/s")
 energy = recording.derived["kinetic energy"] + recording.derived["potential energy"]
-print(f"energy within {abs(energy / energy[0] - 1).max():.1e}")
+print(f"largest relative change of the energy {abs(energy / energy[0] - 1).max():.1e}")

@@ -40,4 +40,4 @@ print("moments of inertia, g m^2:", np.round(1e3 * np.diag(moments), 4))
 about = own @ middle
 print(f"turns over at {', '.join(f'{t:.1f}' for t in recording.t[1:][about[1:] * about[:-1] < 0])} s")
 kinetic = recording.derived["kinetic energy"]
-print(f"energy within {abs(kinetic / kinetic[0] - 1).max():.1e}")
+print(f"largest relative change of the energy {abs(kinetic / kinetic[0] - 1).max():.1e}")
