@@ -129,9 +129,10 @@ def _kinds_page(measured: dict[str, float | None], pictures: dict[Kind, str]) ->
             + "\n"
         )
         if kind in pictures:
+            formula = CASES[kind].formula
             parts.append(
                 f"```{{figure}} {pictures[kind]}\n:alt: Error at the end over force evaluations and over time\n\n"
-                f"{CASES[kind].formula}: the error at the end over its cost. Times are those of the machine that"
+                f"{formula[0].upper()}{formula[1:]}: the error at the end over its cost. Times are those of the machine that"
                 " built this page.\n```\n"
             )
     return "\n".join(parts)
