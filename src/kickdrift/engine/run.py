@@ -168,6 +168,7 @@ class Run:
             copied = time.perf_counter()
             chunk = next_chunk(reached - good.step, now - chunk_started, _LEAST_SHARE * (copied - now))
             bar.show(self.rows.progress(reached)[0], copied - started)
+            self._seconds -= time.perf_counter() - copied  # a widget of a notebook takes 0.1 s to open
         return None
 
     def _attempt(self, target: int) -> tuple[int, Mark, Failure | None]:
