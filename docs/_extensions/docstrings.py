@@ -5,9 +5,10 @@ import re
 from enum import Enum
 from typing import Any
 
-import kickdrift
 from docutils import nodes
 from sphinx.domains.python import PyXRefRole
+
+import kickdrift
 
 
 class Name(PyXRefRole):
