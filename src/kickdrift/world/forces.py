@@ -103,7 +103,7 @@ class AppliesForces:
         Raises
         ------
         ArgumentError
-            If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
+            If it is not a function, has an argument with an unknown name, has neither `force` nor `torque`, or cannot be compiled.
 
         Examples
         --------
@@ -136,7 +136,7 @@ class AppliesForces:
         Raises
         ------
         ArgumentError
-            If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
+            If it is not a function, has an argument with an unknown name, has no `wind`, or cannot be compiled.
 
         Examples
         --------

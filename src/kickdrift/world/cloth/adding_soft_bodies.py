@@ -33,7 +33,7 @@ class AddsSoftBodies(AddsDeformables):
     ) -> SoftBody:
         """Add a soft body with the shape of a tetrahedral mesh, free of stress, on layer 0.
 
-        It is elastic (stable Neo-Hookean), also where it is stretched to several times its length or turned inside out. Its
+        It is elastic (stable Neo-Hookean), even when stretched to several times its length or turned inside out. Its
         surface collides as a cloth does: its vertices with shapes, its triangles with cloths, ropes and other soft bodies.
 
         Parameters
