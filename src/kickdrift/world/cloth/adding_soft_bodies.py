@@ -97,7 +97,8 @@ class AddsSoftBodies(AddsDeformables):
         size : (3,) array_like
             m.
         cells : (3,) array_like of int
-            How many along each side. Vertex ``(i * (ny + 1) + j) * (nz + 1) + k`` is the i-th, j-th and k-th along them.
+            How many along each side, (nx, ny, nz). Vertex ``(i * (ny + 1) + j) * (nz + 1) + k`` is the i-th, j-th and k-th
+            along them.
         position : (3,) array_like
             Of its centre, m.
         orientation : (4,) array_like

@@ -64,7 +64,7 @@ class Cloth(Deformable):
         self._cloths.set_numbers(self, "tear_strain", number("tear_strain", tear_strain, "1"))
 
     def cut(self, point: ArrayLike, normal: ArrayLike) -> int:
-        """Cut it along the edges that lie nearest to a plane: triangles whose centroids are on different sides are separated.
+        """Cut it along edges near a plane: triangles whose centroids are on different sides are separated.
 
         Vertices on the cut are split. The new ones are appended, with the velocities and pins of their originals and a share of
         their mass; mass and momentum are conserved.
