@@ -100,8 +100,9 @@ class World(
         Frequency, Hz, and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
         divided by the substep, the stiffest that does not disturb high stacks.
     push_speed : float
-        The largest speed at which two overlapping bodies are pushed apart, m/s; once apart, they keep none of it. In a stack the
-        speeds add up: of four boxes that overlap each other and the floor, the uppermost rises at up to four times this speed.
+        The largest speed at which two overlapping bodies are pushed apart, m/s; once apart, they keep none of it. In a stack
+        the speeds add up: of four boxes that overlap each other and the floor, the uppermost rises at up to four times this
+        speed.
     bounce_speed : float, optional
         Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity or the forces
         on them add in a substep.
