@@ -1,5 +1,7 @@
 """Gusts: a turbulent wind, the same for the same seed."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np
