@@ -335,3 +335,14 @@ def test_one_sided_limits_and_axes_of_no_joint():
     world.remove_joint(slider)
     with pytest.raises(ArgumentError, match="was removed"):
         slider.drive()
+
+
+def test_the_ground_keeps_its_joints_when_it_is_not_removed():
+    world = kd.World()
+    bob = world.add_sphere(0.1, position=(1, 0, 0))
+    joint = world.add_ball_joint(world.ground, bob, anchor=(0, 0, 0))
+    with pytest.raises(ArgumentError, match="ground"):
+        world.remove(world.ground)
+    world.advance(1 / 60, 30)
+    assert np.linalg.norm(bob.position) == pytest.approx(1.0, abs=1e-6)
+    assert joint.force[2] > 0.0

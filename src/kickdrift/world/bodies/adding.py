@@ -15,7 +15,7 @@ from kickdrift.world.atomic import undivided
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.mass_properties import mass_properties_of
 from kickdrift.world.bodies.part import Part, surface_of
-from kickdrift.world.bodies.registry import Bodies, kind_of
+from kickdrift.world.bodies.registry import GROUND, Bodies, kind_of
 from kickdrift.world.bodies.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
@@ -174,7 +174,7 @@ class AddsBodies:
         Raises
         ------
         ArgumentError
-            If it has been removed before.
+            If it has been removed before, or is the ground.
 
         Examples
         --------
@@ -184,6 +184,8 @@ class AddsBodies:
         >>> world.remove(ball)
         """
         row = self.bodies.row(body)
+        if row == GROUND:
+            raise ArgumentError("body is the ground of the world, which cannot be removed; remove another body.")
         self.joints.remove_of_body(row)
         self.cloths.release(row)
         self.bodies.wake()

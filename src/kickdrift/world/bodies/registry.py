@@ -118,8 +118,6 @@ class Bodies:
     def remove(self, body: Body) -> None:
         """Free the row of a body."""
         row = self.row(body)
-        if row == GROUND:
-            raise ArgumentError("body is the ground of the world, which cannot be removed; remove another body.")
         for table in _TABLES:
             self.tables.array(table)[row] = 0
         self.tables.array(POSE)[row] = np.nan
