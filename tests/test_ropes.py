@@ -107,16 +107,17 @@ def test_waves_run_along_a_taut_rope(strain):
     assert np.diff(crossings).mean() == pytest.approx(2 * length * (1 + strain) / speed, rel=1e-3)
 
 
-@pytest.mark.parametrize("friction", [0.2, 0.4])
-def test_a_rope_round_a_cylinder_holds_as_a_capstan(friction):
+@pytest.mark.parametrize(("friction", "around", "substeps"), [(0.2, 64, 8), (0.4, 64, 8), (0.4, 24, 4), (0.4, 24, 16)])
+def test_a_rope_round_a_cylinder_holds_as_a_capstan(friction, around, substeps):
     """T2 / T1 = exp(mu theta): a rope is pulled over half of a cylinder, with a load at its other end."""
-    world, radius, around = kd.World(substeps=8), 0.105, 64
+    world, radius = kd.World(substeps=substeps), 0.105
     world.add_cylinder(0.1, 1.0, static=True, friction=friction, orientation=ALONG_Y)
     step = 2 * np.pi * radius / around
     arc = np.linspace(np.pi, 0.0, around // 2 + 1)
-    points = [(-radius, 0.0, -step * k) for k in range(48, 0, -1)]
+    before, after = around * 3 // 4, around * 15 // 32
+    points = [(-radius, 0.0, -step * k) for k in range(before, 0, -1)]
     points += [(radius * np.cos(t), 0.0, radius * np.sin(t)) for t in arc]
-    points += [(radius, 0.0, -step * k) for k in range(1, 30)]
+    points += [(radius, 0.0, -step * k) for k in range(1, after)]
     rope = world.add_rope(
         points, radius=0.005, density=0.02, stretch_stiffness=2000.0, bending_stiffness=0.0, damping=5e-3,
         linear_damping=2.0, friction=friction,
@@ -130,10 +131,9 @@ def test_a_rope_round_a_cylinder_holds_as_a_capstan(friction):
     tensions = []
     for _ in range(120):
         world.advance(STEP, 1)
-        tensions.append((rope.tension[:40].mean(), rope.tension[-8:].mean()))  # before and after the cylinder
+        tensions.append((rope.tension[: before * 5 // 6].mean(), rope.tension[-after // 4 :].mean()))
     pulled, loaded = np.mean(tensions, axis=0)
-    # The load hangs still, so that the mean tension is its weight; what is read at the ends of steps is up to 3 % less.
-    assert loaded == pytest.approx(0.5 * 9.81, rel=0.04)
+    assert loaded == pytest.approx(0.5 * 9.81, rel=0.02)  # the load hangs still
     assert pulled / loaded == pytest.approx(np.exp(friction * np.pi), rel=0.03)
 
 
