@@ -128,6 +128,20 @@ def test_sticks_that_hit_each_other_keep_momentum_and_angular_momentum(friction,
         assert world.energy().total <= energy * (1 + 1e-12)
 
 
+def test_a_row_without_weight_that_strikes_a_wall_bounces_no_more_once_it_is_at_rest():
+    """Bounces that halve a speed for ever made it denormal, and a step take 0.4 s."""
+    world, surface = World(gravity=(0, 0, 0)), {"restitution": 0.1, "friction": 0.0}
+    world.add_box((1, 4, 4), position=(3, 0, 0), static=True, **surface)
+    x = 0.0
+    for mass, gap in ((1.05, 0.049), (0.145, 0.0), (4.0, 0.0), (5.5, 0.0), (0.9, 0.0)):
+        world.add_sphere(0.1, position=(x, 0, 0), velocity=(3, 0, 0), mass=mass, **surface)
+        x -= 0.2 + gap
+    world.advance(STEP, 60)
+    speeds = abs(world.velocity)
+    assert speeds.max() < 0.1
+    assert not ((speeds > 0.0) & (speeds < 1e-30)).any()
+
+
 @pytest.mark.parametrize("restitution", [0.5, 1.0])
 def test_jointed_rows_of_boxes_that_hit_each_other_with_their_faces_keep_their_angular_momentum(restitution):
     world = World(gravity=(0, 0, 0))

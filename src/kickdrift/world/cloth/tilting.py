@@ -36,9 +36,9 @@ def resist_tilting(world: int, row: int, h: float, left: float) -> None:
 
     Bodies move with their changes of velocity for the time `left` in the substep, s.
 
-    In the plane of the triangle, or along the segment, with the gradients g of the barycentric coordinates, the rate of tilting is
-    w = sum g (n . v), and a torque T, impulses g . T of the corners, changes it by A T with A = sum g g / m. So T is
-    -c (1 + c A)^-1 w, where c is h R times the impulse of the part.
+    In the plane of the triangle, or along the segment, with the gradients g of the barycentric coordinates, the rate of
+    tilting is w = sum g (n . v), and a torque T, impulses g . T of the corners, changes it by A T with A = sum g g / m. So T
+    is -c (1 + c A)^-1 w, where c is h R times the impulse of the part.
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     particle = floats(world, PARTICLE)
@@ -53,8 +53,8 @@ def resist_tilting(world: int, row: int, h: float, left: float) -> None:
     if side == 0.0 or (area == 0.0 and corners[0] != corners[2]):
         return
     n = vector_at(numbers, row, CLOTH_NORMAL)
-    x, y, second, third = times(1.0 / side, u), across, times(1.0 / side**2, u), across  # along a segment, across is zero
-    if area > 0.0:
+    x, y, second, third = times(1.0 / side, u), across, times(1.0 / side**2, u), across
+    if area > 0.0:  # along a segment, `across` is zero
         y = cross(times(1.0 / area, across), x)
         second, third = times(1.0 / area**2, cross(v, across)), times(1.0 / area**2, cross(across, u))
     xx, yy, xy, tilt_x, tilt_y = 1.0, 1.0, 0.0, 0.0, 0.0

@@ -66,6 +66,7 @@ _APART = 300
 _SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave a relative residual of 5e-5, for a mass ratio of 1000
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
+_UNSEEN = 1e-9  # of the slop: shorter ways in a substep are no approach; without weight, they would halve for ever
 _FAR = 1e10  # m, as a gap
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
@@ -203,11 +204,11 @@ def slowest_bounce(world: int, h: float, row: int) -> float:
     """Return the speed of approach above which the shapes of a contact bounce, m/s."""
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
-    if slowest >= 0.0:
-        return slowest
-    # Resting bodies gain less than that in a few substeps. Forces count like gravity: bodies pressed by them would bounce for
-    # ever.
-    return 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), _pressing_acceleration(world, row))
+    if slowest < 0.0:
+        # Resting bodies gain less than that in a few substeps. Forces count like gravity: bodies pressed by them would bounce
+        # for ever.
+        slowest = 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), _pressing_acceleration(world, row))
+    return max(slowest, _UNSEEN * settings[0, SLOP] / h)
 
 
 @compiled(inline=True)
