@@ -11,10 +11,9 @@ from kickdrift.core.arguments import all_finite
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function, load
 from kickdrift.core.heap import keep_freed_memory
-from kickdrift.core.memory import start_of_array, state_block
 from kickdrift.engine import letters, loop
 from kickdrift.engine.controller import Controller
-from kickdrift.engine.flows.layout import FORMED, aligned_copies, lay_out
+from kickdrift.engine.flows.layout import FORMED, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.program import Program
@@ -234,26 +233,26 @@ def compile_program(
     names = program.flows + program.primers
     functions = letters.functions_of(system, program)
     addresses = letters.addresses_of(system, functions, names) if system.native else {}
-    x, v, params = aligned_copies(system.x0, system.v0, system.params)
-    sizes = x.size, program.coefficients, system.params
+    n, sizes = system.x0.size, (system.x0.size, program.coefficients, system.params)
     scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
     estimates = any(FLOWS[name].estimates for name in names)
     of_flows = max(FLOWS[name].memory(*sizes) for name in names)
-    memory_size = of_flows + x.size * estimates
-    memory_size += 0 if controller is None else controller.memory_size(x.size, of_flows)
-    work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
+    memory_size = of_flows + n * estimates
+    memory_size += 0 if controller is None else controller.memory_size(n, of_flows)
+    block, members = lay_out(system.x0, system.v0, system.params, program.coefficients, memory_size, addresses, scratch)
+    x, v, _, work = members
     if controller is not None:
-        controller.prepare(work, x.size, estimates, grid.t0, grid.t1, grid.step)
+        controller.prepare(work, n, estimates, grid.t0, grid.t1, grid.step)
     built = [letters.build(name, system, program, functions, compensated, scratch) for name in names]
-    state, members = State(x, v, work, scratch, _kept(names, x.size, compensated)), (x, v, params, work)
+    state = State(x, v, work, scratch, _kept(names, n, compensated))
     if not system.native:
         return Stepper(program, grid.t0, grid.step, state, estimates, built, members, _INTERPRETED, ())
-    if x.size > _LARGE:
+    if n > _LARGE:
         keep_freed_memory()
-    flows, block = np.array([address_of(letter, loop.LETTER) for letter in built]), state_block(*members)
+    flows = np.array([address_of(letter, loop.LETTER) for letter in built])
     if controller is None or program.primers:
         load(loop.advance, loop.ADVANCE)
     if controller is not None:
         load(loop.advance_adaptively, loop.ADVANCE_ADAPTIVELY)
-    alive = built, functions, block, members
-    return Stepper(program, grid.t0, grid.step, state, estimates, flows, start_of_array(block), _COMPILED, alive)
+    alive = built, functions, members
+    return Stepper(program, grid.t0, grid.step, state, estimates, flows, block, _COMPILED, alive)
