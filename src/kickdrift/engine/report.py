@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.deferred import deferred
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
@@ -64,10 +65,11 @@ def report(
     end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end, kept = ending.stop.t, _with_stop(kept, ending.stop, grid)
-    dense = None if journey.store else _dense(system, grid, between, end, kept)
-    if isinstance(grid, Course) and dense is not None and ending.outcome is Outcome.COMPLETED and kept.t[-1] != end:
-        kept, dense, own, trouble = _with_part_of_last_step(journey, grid, standing, dense, kept)
+    has_path = not journey.store and system.kind is not Kind.LANGEVIN
+    if isinstance(grid, Course) and has_path and ending.outcome is Outcome.COMPLETED and kept.t[-1] != end:
+        kept, own, trouble = _with_part_of_last_step(journey, grid, standing, kept)
         message, evaluations = message + trouble, evaluations + own
+    dense = deferred(_dense, system, grid, between, end, kept) if has_path else None
     zeros: tuple[tuple[Zero, ...], ...] = ()
     if watch is not None:
         zeros, trouble = _zeros(watch, end)
@@ -75,7 +77,7 @@ def report(
     t, xs, vs, _ = kept
     if grid.wanted is not None and dense is not None:
         try:
-            t, xs, vs, own = _at_wanted(grid, ending, dense, t, xs, vs)
+            t, xs, vs, own = _at_wanted(grid, ending, dense(), t, xs, vs)
             evaluations += own
         except (Exception, KeyboardInterrupt) as error:  # Ctrl-C, or a function that fails only between steps
             message += f" Times between steps are missing where {type(error).__name__} was raised: {error}."
@@ -87,12 +89,12 @@ def report(
         v=vs,
         invariants=Invariants(tuple(system.quantities), partial(quantities.evaluate, system, t=t, x=xs, v=vs)),
         status=ending.outcome,
-        message=message + quantities.energy_lost(system, t, xs, vs),
+        message=deferred(_message, message, system, t, xs, vs),
         step=grid.step,
         n_steps=ending.n_steps,
         n_force_evaluations=evaluations,
         wall_time=ending.wall_time,
-        about=task.description,
+        about=deferred(task.describe),
         saved_to=str(journey.store.path) if journey.store else "",
         derived=_derived(system, grid, ending.step_range, t, xs, vs),
         error_estimate=None if ending.estimated is None else ending.estimated.reshape(system.x0.shape),
@@ -113,32 +115,32 @@ def _with_stop(kept: _Kept, stop: Zero, grid: Grid | Course) -> _Kept:
     return kept.followed_by(stop.t, stop.x, stop.v, grid.step)
 
 
-def _with_part_of_last_step(
-    journey: Journey, grid: Course, standing: Standing, dense: DenseOutput, kept: _Kept
-) -> tuple[_Kept, DenseOutput | None, int, str]:
+def _message(said: str, system: System, t: Floats, x: Floats, v: Floats) -> str:
+    """Return what is said about a run, with a sentence on its energy if that is far off."""
+    return said + quantities.energy_lost(system, t, x, v)
+
+
+def _with_part_of_last_step(journey: Journey, grid: Course, standing: Standing, kept: _Kept) -> tuple[_Kept, int, str]:
     """Add the state at the end, which the last step leads beyond.
 
-    Return also the dense output until then, the force evaluations, and a sentence if the force failed.
+    Return also the force evaluations, and a sentence if the force failed.
     """
     try:
-        x, v, evaluations = _in_last_step(journey, grid, standing, dense, kept.steps[-1])
-        kept = kept.followed_by(grid.t1, x[0], v[0], grid.step)
-        return kept, _dense(journey.task.system, grid, journey.between, grid.t1, kept), evaluations, ""
+        x, v, evaluations = _in_last_step(journey, grid, standing, kept)
+        return kept.followed_by(grid.t1, x[0], v[0], grid.step), evaluations, ""
     except (Exception, KeyboardInterrupt) as error:
-        return kept, dense, 0, f" The rows end before it, since {type(error).__name__} was raised: {error}."
+        return kept, 0, f" The rows end before it, since {type(error).__name__} was raised: {error}."
 
 
-def _in_last_step(
-    journey: Journey, grid: Course, standing: Standing, dense: DenseOutput, size: float
-) -> tuple[Floats, Floats, int]:
+def _in_last_step(journey: Journey, grid: Course, standing: Standing, kept: _Kept) -> tuple[Floats, Floats, int]:
     """Return the state at the end, which the last step leads beyond, and the force evaluations.
 
     Steps in reverse lead to the start but for rounding, some 1e-9 of a step. A part of the last one would be a step of its own,
     by 4e-4 elsewhere for `TimeTransformed` and e = 0.87: the way from its end back to the start is shorter.
     """
     clock, end = np.array([standing.state.work[CLOCK]]), np.array([grid.t1])
-    if not (grid.returns and abs(clock[0] - grid.t1) < _ROUNDED * abs(size)):
-        return dense.states_at(end)
+    if not (grid.returns and abs(clock[0] - grid.t1) < _ROUNDED * abs(kept.steps[-1])):
+        return _dense(journey.task.system, grid, journey.between, grid.t1, kept).states_at(end)
     xs, vs = journey.processing.seen(clock, standing.state.x[None].copy(), standing.state.v[None].copy())
     x, v, own = journey.between().go_on(clock, end - clock, np.ones(1, dtype=np.int64), xs, vs)
     return x, v, int(own.sum())
@@ -166,10 +168,8 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
 
 def _dense(
     system: System, grid: Grid | Course, between: Callable[[], Processing], end: float, kept: _Kept
-) -> DenseOutput | None:
-    """Return the dense output, from the start on; None for stochastic systems."""
-    if system.kind is Kind.LANGEVIN:
-        return None
+) -> DenseOutput:
+    """Return the dense output, from the start on."""
     return DenseOutput.of_rows(grid, States(system.x0, system.v0), kept, end, between)
 
 

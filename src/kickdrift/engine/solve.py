@@ -206,7 +206,7 @@ def solve(
             tables = tables_of(given, system, chosen.method, controller, wanted)
             if tables is not None:
                 tables.check(grid)
-            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names, tables)
+            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside, tables)
             if checkpoint is not None or save_to is not None:
                 known = identity_of(
                     problem, grid, start, params, chosen.method, compensated, compiles, events, steering

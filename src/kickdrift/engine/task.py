@@ -2,9 +2,9 @@
 
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from kickdrift.core.errors import FileFormatError
@@ -30,6 +30,7 @@ from kickdrift.engine.streaming import StreamedGridRows, StreamedRows
 from kickdrift.engine.table_ranges import Tables
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.system import System
+from kickdrift.systems.units import Units
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +50,7 @@ class Task:
     events : tuple of Event
     progress : bool or None
         Whether a bar is shown; has no effect on the results.
-    units : mapping of str to str
+    units : Units
         Of the numbers, where users gave quantities; which determines nothing either.
     tables : Tables or None
         Those that functions call.
@@ -62,14 +63,13 @@ class Task:
     controller: Controller | None
     events: tuple[Event, ...]
     progress: bool | None
-    units: Mapping[str, str] = field(default_factory=dict)
-    tables: Tables | None = None
+    units: Units
+    tables: Tables | None
 
-    @property
-    def description(self) -> Description:
-        """Description of the run, for display."""
-        about = description_of(self.system, self.chosen, self.compensated, self.controller)
-        return replace(about, units={**about.units, **self.units}) if self.units else about
+    def describe(self) -> Description:
+        """Describe the run, for display."""
+        about, units = description_of(self.system, self.chosen, self.compensated, self.controller), self.units.names
+        return replace(about, units={**about.units, **units}) if units else about
 
 
 def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
@@ -170,7 +170,7 @@ class Journey:
     def _rows(self) -> Rows:
         kernel, grid = self.processing.kernel, self.task.grid
         if self.store is not None:
-            to_disk = self.store, self.task.description
+            to_disk = self.store, self.task.describe()
             if isinstance(grid, Course):
                 kind = StreamedCourseRows if grid.stride else StreamedCourseTimes
                 return kind(self.processing, grid, *to_disk, self.between)
