@@ -226,10 +226,8 @@ def lay_out(
     start = (end + _LINE - 1) // _LINE * _LINE
     size = start + memory_size + TAIL
     room, block = aligned(at_work + size)
-    room[:_BLOCK] = (
-        *(block + 8 * _BLOCK, n, block + 8 * at_v, n_v),
-        *(block + 8 * at_params, n_params, block + 8 * at_work, size),
-    )
+    of_x, of_v, of_params, of_work = [block + 8 * at for at in (_BLOCK, at_v, at_params, at_work)]
+    room[:_BLOCK] = of_x, n, of_v, n_v, of_params, n_params, of_work, size
     for name, address in addresses.items():
         room[at_work + _slot(name)] = address
     room[at_work + _SCRATCH] = start_of_array(scratch)
