@@ -1,9 +1,9 @@
 """From a run to its solution: rows, conserved quantities, outcome and costs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,10 +58,10 @@ def report(
     system, grid, rows = task.system, task.grid, journey.run.rows
     early, message = not ending.outcome.success, ending.message + journey.said
     standing = journey.run.standing(beyond_the_stop=True)
-    kept = _kept(rows, ending, early, processing)
+    kept = _kept(rows, ending, early, processing) if journey.streamed is None else _ends(journey.streamed, ending)
     evaluations = ending.evaluations + processing.evaluations(rows.seen(ending.saved))
-    if isinstance(rows, StreamedRows):
-        message, evaluations = message + rows.said, evaluations + rows.evaluations
+    if journey.streamed is not None:
+        message, evaluations = message + journey.streamed.said, evaluations + journey.streamed.evaluations
     end = rows.time(ending.n_steps) if early else grid.t1
     if ending.stop is not None:
         end, kept = ending.stop.t, _with_stop(kept, ending.stop, grid)
@@ -70,9 +70,10 @@ def report(
         kept, own, trouble = _with_part_of_last_step(journey, grid, standing, kept)
         message, evaluations = message + trouble, evaluations + own
     dense = deferred(_dense, system, grid, between, end, kept) if has_path else None
-    zeros: tuple[tuple[Zero, ...], ...] = ()
+    events: dict[str, Any] = {}
     if watch is not None:
         zeros, trouble = _zeros(watch, end)
+        events = _events(zeros, system)
         message, evaluations = message + trouble, evaluations + watch.evaluations
     t, xs, vs, _ = kept
     if grid.wanted is not None and dense is not None:
@@ -102,9 +103,7 @@ def report(
         continuation=None if journey.store else continuation(task, standing, journey.run.ended),
         step_range=ending.step_range,
         n_rejected=ending.trials - ending.n_steps,
-        t_events=tuple(np.array([zero.t for zero in own]) for own in zeros),
-        x_events=tuple(np.array([zero.x for zero in own]).reshape(len(own), *system.x0.shape) for own in zeros),
-        v_events=tuple(np.array([zero.v for zero in own]).reshape(len(own), *system.v0.shape) for own in zeros),
+        **events,
     )
 
 
@@ -146,10 +145,13 @@ def _in_last_step(journey: Journey, grid: Course, standing: Standing, kept: _Kep
     return x, v, int(own.sum())
 
 
+def _ends(rows: StreamedRows, ending: Ending) -> _Kept:
+    """Return the first and the last of the rows on disk."""
+    return _Kept(*rows.ends(ending.n_steps))
+
+
 def _kept(rows: Rows, ending: Ending, early: bool, processing: Processing) -> _Kept:
-    """Return the rows; of rows on disk the first and the last."""
-    if isinstance(rows, StreamedRows):
-        return _Kept(*rows.ends(ending.n_steps))
+    """Return the rows in memory."""
     t = rows.times(ending.saved, ending.n_steps, early)
     xs, vs = rows.xs[: ending.saved], rows.vs[: ending.saved]
     if processing.postprocessor is not None:  # it overwrites rows with which the run may continue
@@ -164,6 +166,17 @@ def _zeros(watch: Watch, end: float) -> tuple[tuple[tuple[Zero, ...], ...], str]
     except (Exception, KeyboardInterrupt) as error:
         said = f" Zeros of events are missing, since {type(error).__name__} was raised: {error}."
         return tuple(() for _ in watch.events), said
+
+
+def _events(zeros: tuple[tuple[Zero, ...], ...], system: System) -> dict[str, Any]:
+    """Return the times and the states of the zeros of each event, by their names in a solution."""
+    shapes = {"t": (), "x": system.x0.shape, "v": system.v0.shape}
+    return {
+        f"{name}_events": tuple(
+            np.array([getattr(zero, name) for zero in own]).reshape(len(own), *shape) for own in zeros
+        )
+        for name, shape in shapes.items()
+    }
 
 
 def _dense(
@@ -189,7 +202,7 @@ def _at_wanted(
 
 def _derived(
     system: System, grid: Grid | Course, step_range: tuple[float, float], t: Floats, xs: Floats, vs: Floats
-) -> Invariants:
+) -> Mapping[str, Floats]:
     functions: dict[str, Callable[[], Floats]] = {}
     if system.kind is Kind.CONSTRAINED:
         functions["multipliers"] = lambda: multipliers.evaluate(system, t, xs, vs)
@@ -197,4 +210,4 @@ def _derived(
     if exact is not None and grid.t0 == 0.0:
         usual = math.sqrt(abs(step_range[0] * step_range[1])) or abs(grid.step)
         functions["phase error"] = lambda: time_shift(exact, t, xs, vs, usual)
-    return Invariants(tuple(functions), lambda name: functions[name]())
+    return Invariants(tuple(functions), lambda name: functions[name]()) if functions else {}

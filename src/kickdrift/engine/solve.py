@@ -194,7 +194,7 @@ def solve(
     try:
         grid = steering.lay(t_span, step, t_eval, save_every, start.x.size, save_to is not None, max_steps)
         with compiling_announced(progress):
-            adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
+            adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds, [])
             system = steering.describe(problem, start, adapter)
             if isinstance(grid, Grid):
                 check_between(system, grid)

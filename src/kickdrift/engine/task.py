@@ -4,8 +4,9 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 from kickdrift.core.errors import FileFormatError
 from kickdrift.core.interruption import InterruptionNoted
@@ -14,7 +15,7 @@ from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.description import Description
 from kickdrift.engine.event_functions import Event
-from kickdrift.engine.events import watch_for
+from kickdrift.engine.events import Watch, watch_for
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
 from kickdrift.engine.method_selection import Choice
@@ -33,8 +34,7 @@ from kickdrift.systems.system import System
 from kickdrift.systems.units import Units
 
 
-@dataclass(frozen=True, eq=False)
-class Task:
+class Task(NamedTuple):
     """Everything that determines a run.
 
     Attributes
@@ -149,12 +149,12 @@ class Journey:
             if found is not None:
                 grid, before, self.said = found
                 if grid.step != task.grid.step:
-                    self.task = replace(task, grid=grid)
+                    self.task = task._replace(grid=grid)
                     self._compile()
         if before is None or before.step == 0:
             self.processing.enter()
-            if isinstance(self.run.rows, StreamedRows):
-                self.run.rows.create()
+            if self.streamed is not None:
+                self.streamed.create()
         else:
             self.run.go_on(before)
 
@@ -163,8 +163,10 @@ class Journey:
         made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
         self.processing = made(turns=not task.events, controller=task.controller)
         self.between = partial(made, controller=None if task.controller is None else task.controller.between)
-        surfaces = None if task.controller is None else task.controller.surfaces
-        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1, surfaces)
+        self.watch: Watch | None = None
+        if task.events:
+            surfaces = None if task.controller is None else task.controller.surfaces
+            self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1, surfaces)
         self.run = Run(self.processing.kernel, self._rows(), self.watch)
 
     def _rows(self) -> Rows:
@@ -181,32 +183,38 @@ class Journey:
             return CourseRows(kernel, grid)
         return GridRows(kernel, grid)
 
+    @property
+    def streamed(self) -> StreamedRows | None:
+        """The rows, if they go to disk."""
+        rows = self.run.rows
+        return rows if self.store is not None and isinstance(rows, StreamedRows) else None
+
     def go(self) -> Ending:
         """Run to the end of the grid, or as far as possible."""
-        started, run, failure = time.perf_counter(), self.run, None
+        started, run, streamed, failure = time.perf_counter(), self.run, self.streamed, None
         with closing(Bar(run.rows.progress(0)[1], self.task.progress)) as bar:
             while failure is None and not run.ended:
                 first, began = run.step, time.perf_counter()
                 due = until = sys.maxsize if self._checkpoints is None else self._checkpoints.until(first, sys.maxsize)
-                if isinstance(run.rows, StreamedRows):
-                    until = min(due, run.rows.full_after(first))
+                if streamed is not None:
+                    until = min(due, streamed.full_after(first))
                 failure = run.go(bar, started, until)
                 if self._checkpoints is not None:
                     self._checkpoints.pace(run.step - first, time.perf_counter() - began)
                 if self._checkpoints is not None or self.store is not None:
                     failure = self._kept(failure, due)
-        if isinstance(run.rows, StreamedRows):
+        if streamed is not None:
             outcome = Outcome.COMPLETED if failure is None else failure[0]
             with InterruptionNoted(passed_on=False):
-                failure = self._written(failure, partial(run.close, run.rows, outcome))
+                failure = self._written(failure, partial(run.close, streamed, outcome))
         return run.ending(*(failure or (Outcome.COMPLETED, "")))
 
     def _kept(self, failure: Failure | None, due: int) -> Failure | None:
         """Store the state of the run, while Ctrl-C is deferred, and return a failure, if there is one."""
         run, checkpoints = self.run, self._checkpoints
         with InterruptionNoted(passed_on=False) as interruption:
-            if isinstance(run.rows, StreamedRows):
-                failure = self._written(failure, partial(run.drain, run.rows))
+            if self.streamed is not None:
+                failure = self._written(failure, partial(run.drain, self.streamed))
             if checkpoints is not None and (run.step == due or run.ended or failure is not None):
                 failure = self._written(failure, lambda: keep(checkpoints, self.task.grid, run.standing()))
         if interruption.noted and not run.ended:
