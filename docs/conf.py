@@ -49,6 +49,7 @@ numpydoc_xref_param_type = False
 
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist", "attrs_inline"]
 myst_heading_anchors = 3
+smartquotes = False  # they would turn the primes of y' = f(t, y) and x'' into quotation marks
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(HERE / "_build" / "notebooks")
 nb_execution_timeout = 300

@@ -14,6 +14,7 @@ from numba import njit
 
 import kickdrift as kd
 from kickdrift.engine import run as run_module
+from kickdrift.engine.progress import Bar
 
 OPTIONS = {"x0": 1.0, "v0": 0.0, "step": 0.01}
 
@@ -167,6 +168,23 @@ def test_on_a_terminal_only_long_runs_show_progress(capsys, monkeypatch):
     assert "step" in capsys.readouterr().err
     kd.solve(slow, (0.0, 0.4), 1.0, 0.0, step=0.001, compile=False, progress=False)
     assert capsys.readouterr().err == ""
+
+
+def test_a_first_step_that_takes_long_opens_no_bar(monkeypatch):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    bar = Bar(10_000, None)
+    bar.show(1, 0.01)  # 100 s, if all steps took as long
+    assert bar._bar is None
+    bar.show(500, 0.2)
+    assert bar._bar is not None
+    bar.close()
+
+
+def test_the_time_that_the_bar_takes_is_no_part_of_the_run(monkeypatch):
+    late, clock = [0.0], time.perf_counter
+    monkeypatch.setattr("time.perf_counter", lambda: clock() + late[0])
+    monkeypatch.setattr(Bar, "show", lambda self, step, seconds: late.append(late.pop() + 1e6))
+    assert kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1).wall_time < 1e6
 
 
 def test_the_first_compilation_is_announced(tmp_path):

@@ -363,7 +363,7 @@ def test_a_planetary_system_is_refused_for_what_it_cannot_be():
     x, v = np.eye(3), np.zeros((3, 3))
     with pytest.raises(UnknownNameError, match="jacobi"):
         kd.systems.planetary([1, 1e-3, 1e-3], x, v, splitting="jacoby")
-    with pytest.raises(ArgumentError, match=r"masses\[1\] must be finite and at least 0"):
+    with pytest.raises(ArgumentError, match=r"masses\[1\]=.* must be finite and at least 0"):
         kd.systems.planetary([1, -1e-3, 1e-3], x, v)
     with pytest.raises(ArgumentError, match="heaviest body first"):
         kd.systems.planetary([1, 1e-3, 2], x, v)

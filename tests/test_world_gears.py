@@ -335,7 +335,7 @@ def test_a_gear_of_sliders_cannot_be_geared_itself():
     ("match", "change"),
     [
         ("ratio", {"ratio": 0.0}), ("ratio", {"ratio": NAN}), ("ratio", {"ratio": INF}), ("ratio", {"ratio": "2"}),
-        ("joint_b", {"joint_b": "first"}), ("joint=", {"joint_b": None}), ("joint=3", {"joint_a": 3}),
+        ("joint_b", {"joint_b": "first"}), ("joint_b=", {"joint_b": None}), ("joint_a=3", {"joint_a": 3}),
         ("another world", {"joint_b": "elsewhere"}), ("removed", {"joint_b": "gone"}),
         ("axis_b=2 .* cannot be geared", {"joint_b": "rope"}), ("axis_b=None", {"joint_b": "ball"}),
         ("axis_b=3 .* cannot be geared", {"joint_b": "ball", "axis_b": 3}), ("axis_a=3 .* locked", {"axis_a": 3}),

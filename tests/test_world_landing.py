@@ -128,6 +128,25 @@ def test_sticks_that_hit_each_other_keep_momentum_and_angular_momentum(friction,
         assert world.energy().total <= energy * (1 + 1e-12)
 
 
+@pytest.mark.parametrize("restitution", [0.5, 1.0])
+def test_jointed_rows_of_boxes_that_hit_each_other_with_their_faces_keep_their_angular_momentum(restitution):
+    world = World(gravity=(0, 0, 0))
+    options = {"restitution": restitution, "friction": 0.5}
+    for x, speed, up in ((0.0, 1.0, 0.0), (0.6, -1.0, 0.1)):
+        row = [
+            world.add_box(
+                (0.18, 0.18, 0.18), position=(x, 0.22 * k + up, up / 2), velocity=(speed, 0, 0), mass=1.0 + k, **options
+            )
+            for k in range(3)
+        ]
+        for k in range(2):
+            world.add_ball_joint(row[k], row[k + 1], anchor=(x, 0.22 * k + 0.11 + up, up / 2))
+    momentum, before = world.angular_momentum(), world.velocity.copy()
+    world.advance(STEP, 30)
+    assert abs(world.velocity - before).max() > 0.5  # they have hit
+    assert world.angular_momentum() == pytest.approx(momentum, abs=1e-12)
+
+
 @pytest.mark.parametrize(("restitution", "friction"), [(1.0, 0.0), (0.9, 0.2)])
 def test_a_symmetric_break_stays_symmetric(restitution, friction):
     world, surface, balls = World(gravity=(0, 0, 0)), {"restitution": restitution, "friction": friction}, {}

@@ -82,7 +82,7 @@ def _methods_page(measured: dict[str, float | None]) -> str:
 _METHODS_TEXT = """# Methods
 
 The {count} methods of the catalogue, by the widest kind of problem for which each is made. A method keeps its order on the more
-specific kinds, too, see [](kinds.md): look for it also in the tables of wider kinds, which come first.
+specific kinds, too: for a problem, see the table of [its kind](kinds.md) and those of the wider kinds, which come first.
 
 ```{{toctree}}
 :hidden:
@@ -96,11 +96,13 @@ The argument `method=` of {{obj}}`kickdrift.solve` takes the names in these tabl
 The word lists the flows of a step, first to last, each with its share of the step: `K` is a kick, `D` a drift, and
 {{obj}}`kickdrift.methods.Letter` explains the other letters. The measured order is the slope of the error over the step
 on the problem named above each table, from the four smallest steps whose errors are above rounding. From order 8 on,
-few steps lie between those that are too large and those whose error is rounding, so that the slope is inaccurate there:
-the test suite measures these words in extended precision. The order of `shake` is that of its positions and of the
+few steps lie between those that are too large and those whose error is mostly rounding, so that the slope is inaccurate
+there: the test suite measures these words in extended precision. The order of `shake` is that of its positions and of the
 energy, and the measured one that of its velocities, which lack the last impulse of the constraints. For methods for
 planets, the numbers in brackets are the orders of the parts of the error that are proportional to the masses of the
-planets, to their square, and so on. For Langevin dynamics the order is that of averages.
+planets, to their square, and so on. The corrected methods have the word of `wisdom-holman`, and differ
+in a corrector, which transforms the state before the first step, and back wherever it is stored. For Langevin dynamics the
+order is that of averages.
 """
 
 
@@ -127,9 +129,10 @@ def _kinds_page(measured: dict[str, float | None], pictures: dict[Kind, str]) ->
             + "\n"
         )
         if kind in pictures:
+            formula = CASES[kind].formula
             parts.append(
                 f"```{{figure}} {pictures[kind]}\n:alt: Error at the end over force evaluations and over time\n\n"
-                f"{CASES[kind].formula}: the error at the end over its cost. Times are those of the machine that"
+                f"{formula[0].upper()}{formula[1:]}: the error at the end over its cost. Times are those of the machine that"
                 " built this page.\n```\n"
             )
     return "\n".join(parts)
@@ -162,8 +165,13 @@ constraints
 Langevin dynamics
 ```
 
-A method that would lose its order on a problem is refused, and the error names one that keeps it. The folder `benchmarks`
-of the sources has the same pictures with the other libraries that support each kind.
+A method that would lose its order on a problem is refused, and the error names one that keeps it.
+
+Without `order=`, `method="auto"` selects the fastest method for most tolerances. Where that is `dop853`, the energy error
+grows with time; with `order=`, the methods below are symmetric. For decay or oscillations much faster than a step, and for
+planets with long steps, `auto` selects others, and the report gives the reason.
+
+The folder `benchmarks` of the sources has the same pictures with the other libraries that support each kind.
 """
 
 

@@ -1,10 +1,14 @@
 """What plain docstrings need to become pages: names in backticks link to what has a page, and stars are stars."""
 
+import inspect
 import re
+from enum import Enum
 from typing import Any
 
 from docutils import nodes
 from sphinx.domains.python import PyXRefRole
+
+import kickdrift
 
 
 class Name(PyXRefRole):
@@ -25,12 +29,30 @@ def leave_dangling(app: Any, env: Any, node: Any, content: nodes.Node) -> nodes.
 
 
 def escape(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Let ``(T, *shape)`` and ``|z|`` be text outside of code, and no emphasis or substitution."""
+    """Let ``(T, *shape)``, ``|z|`` and ``m.`` be text outside of code: no emphasis, substitution or item of a list."""
     for number, line in enumerate(lines):
         if not line.lstrip().startswith((">>>", "...")):
             parts = re.split(r"(`+[^`]*`+)", line)
-            parts[::2] = [re.sub(r"(?=\||\*shape)", r"\\", part) for part in parts[::2]]
-            lines[number] = "".join(parts)
+            parts[::2] = [re.sub(r"(?=\||\*shape\))", r"\\", part) for part in parts[::2]]
+            lines[number] = re.sub(r"^( *)(?=[A-Za-z]\.(?: |$))", r"\1\\", "".join(parts))
+
+
+def hide_constructor(
+    app: Any, what: str, name: str, obj: Any, options: Any, arguments: str | None, returned: str | None
+) -> tuple[str, str] | None:
+    """Show no constructor of handles, results and enumerations, whose objects users get but never create."""
+    if what != "class" or issubclass(obj, Exception):
+        return None
+    if issubclass(obj, Enum | kickdrift.Solution | kickdrift.EnsembleSolution):
+        return "", ""
+    defaults = (each.default for each in inspect.signature(obj).parameters.values())
+    constructed = name.removeprefix("kickdrift.") in kickdrift.__all__ or set(defaults) - {inspect.Parameter.empty}
+    return None if constructed else ("", "")
+
+
+def skip_field(app: Any, what: str, name: str, obj: Any, skip: bool, options: Any) -> bool | None:
+    """Leave out the fields of named tuples, which are among the attributes already."""
+    return True if type(obj).__name__ == "_tuplegetter" else None
 
 
 def setup(app: Any) -> dict[str, bool]:
@@ -38,4 +60,6 @@ def setup(app: Any) -> dict[str, bool]:
     app.add_role("name", Name())
     app.connect("missing-reference", leave_dangling)
     app.connect("autodoc-process-docstring", escape, priority=900)
+    app.connect("autodoc-skip-member", skip_field)
+    app.connect("autodoc-process-signature", hide_constructor, priority=400)  # before numpydoc's
     return {"parallel_read_safe": True}

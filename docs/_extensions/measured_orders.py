@@ -96,7 +96,7 @@ CASES = {
         2 * _turned, [0.0, 0.0], 5.0, 0.3, known=_on_circle,
     ),
     Kind.NEARLY_KEPLERIAN: Case(
-        "a star and two planets of a twentieth of its mass", _two_heavy_planets(), None, None, 6.0, 0.5
+        "a star and two planets, each of a twentieth of its mass", _two_heavy_planets(), None, None, 6.0, 0.5
     ),
     Kind.MULTIRATE: Case(
         r"$x'' = -x - 25 x^3$, the second term of which is fast",

@@ -1,10 +1,10 @@
 """kickdrift: structure-preserving integration for mechanics.
 
 ``kickdrift.solve`` integrates accelerations, Hamiltonians and other equations of motion; ``kickdrift.systems`` and
-``kickdrift.methods`` are the catalogues, ``kickdrift.analysis`` judges runs, ``kickdrift.plots`` draws them,
-``kickdrift.load`` reads a saved solution. ``kickdrift.World`` is for bodies that touch, stack, hinge and walk: with shapes
-(``Box``, ``Capsule``, ``Cone``, ``Cylinder``, ``Hull``, ``Sphere``, and ``Part`` for compounds), and what joints do (``Axis``,
-``Drive``, ``Motor``).
+``kickdrift.methods`` are the catalogues, ``kickdrift.analysis`` assesses runs, ``kickdrift.plots`` draws them,
+``kickdrift.load`` reads a saved solution. ``kickdrift.World`` is for bodies that touch or are connected by joints: with shapes
+(``Box``, ``Capsule``, ``Cone``, ``Cylinder``, ``Hull``, ``Sphere``, and ``Part`` for compounds), and limits, motors and drives
+of joints (``Axis``, ``Motor``, ``Drive``).
 """
 
 from collections.abc import Callable

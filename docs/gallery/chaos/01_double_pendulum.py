@@ -2,7 +2,7 @@
 Diverging double pendulums
 ==========================
 
-Ten double pendulums begin with angles that differ by a hundred-thousandth of a degree. For nine seconds they look like one,
+Ten double pendulums, each started a hundred-thousandth of a degree from the one before. For ten seconds they look like one,
 then they separate. SymPy derives the equations from the Lagrangian.
 """
 
@@ -29,4 +29,4 @@ left.set(aspect="equal", title="the last 0.3 s", xlabel="x (m)", ylabel="z (m)")
 right.set(xlabel="time (s)", ylabel="height of the lower mass (m)")
 apart = np.ptp(np.array(ends), axis=0).max(axis=1)
 print(f"1 cm apart after {sol.t[(apart > 0.01).argmax()]:.1f} s, 1 m after {sol.t[(apart > 1).argmax()]:.1f} s")
-print(f"energy of the last within {abs(sol.energy - sol.energy[0]).max():.0e} J")
+print(f"the energy of the last one changes by at most {abs(sol.energy - sol.energy[0]).max():.0e} J")

@@ -1,8 +1,8 @@
 """
-Order and chaos of Hénon and Heiles
-===================================
+Order and chaos in the Hénon-Heiles system
+==========================================
 
-A star in a galaxy moves in a potential that is not quite round (Hénon and Heiles 1964).
+A star moves through a galaxy in a potential that is not quite round (Hénon and Heiles 1964).
 
 Each time it crosses :math:`x = 0` with :math:`v_x > 0`, its :math:`y` and :math:`v_y` give a point. At an energy of
 1/12 the points of each orbit lie on curves, as if something besides the energy were conserved. At 1/8 only islands of such
@@ -31,7 +31,7 @@ for ax, energy in zip(axes, (1 / 12, 1 / 8), strict=True):
         options = {"step": 0.1, "method": "blanes-moan-srkn11b"}
         section = kd.analysis.poincare_section(force, lambda x: x[0], (0.0, 4000.0), *start, **options)
         ax.plot(section.x[:, 1], section.v[:, 1], ".", markersize=0.8, color=f"C{number % 10}")
-    ax.set(title=f"energy {energy:.4f}", xlabel="y")
+    ax.set(title=f"energy 1/{1 / energy:.0f}", xlabel="$y$")
 axes[0].set_ylabel("$v_y$")
 for energy, y in ((1 / 12, 0.1), (1 / 8, -0.2)):
     found = kd.analysis.lyapunov_exponent(

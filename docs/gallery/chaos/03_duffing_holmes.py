@@ -5,7 +5,7 @@ A strange attractor
 A steel strip between two magnets is shaken and damped (Moon and Holmes 1979).
 
 Its equation is :math:`x'' = x - x^3 - 0.25\\, x' + 0.4 \\cos t`. Sampled once per period of the shaking, its
-position and speed are points of a set that is neither a curve nor an area. Two thousand strips, an ensemble, are
+position and velocity are points of a set that is neither a curve nor an area. Two thousand strips, an ensemble, are
 sampled after 30 to 50 periods.
 """
 

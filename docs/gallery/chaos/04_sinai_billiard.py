@@ -2,9 +2,9 @@
 Sinai's billiard
 ================
 
-A ball moves without friction on a table with a round post in the middle. Two shots that differ by a millionth of a
-radian are as far apart as the table allows after about twenty bounces: round walls make neighbouring paths diverge, and flat ones do
-not (Sinai 1970).
+A ball moves without friction on a table with a round post in the middle. Two shots that differ by a millionth of a radian
+are as far apart as the table allows after about twenty bounces: the round post makes neighbouring paths diverge
+exponentially, and flat walls do not (Sinai 1970).
 """
 
 import matplotlib.pyplot as plt

@@ -2,9 +2,9 @@
 Lorenz's butterfly
 ==================
 
-Three numbers describe the convection of air over warm ground (Lorenz 1963). There are no kicks and drifts here, and there is no
-energy to conserve: an extrapolated semi-implicit sweep or a Runge-Kutta method solves such equations. Two runs that
-begin a millionth apart have nothing in common after 30 units of time.
+Three numbers describe the convection of air over warm ground (Lorenz 1963). There are no positions and velocities here, and no
+energy to conserve: a Runge-Kutta method, DOP853, solves such equations of first order. Two runs that begin a millionth apart
+have nothing in common after 30 units of time.
 
 Differences grow as :math:`e^{0.9 t}` on average (Benettin and others 1980 describe how to measure it).
 """

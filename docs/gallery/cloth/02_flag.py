@@ -3,7 +3,7 @@ A flag in the wind
 ==================
 
 A flag of 1.2 m by 0.7 m in a wind of 6 m/s. Each triangle takes drag and lift from the air that flows past it; waves run along
-the cloth, and its free edge beats a few times per second.
+the cloth, and its free edge beats several times per second.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 A trampoline
 ============
 
-Two balls fall on a mat that is held all around, and that throws them up again. Neither comes back to its height, since the mat
-keeps some of the energy and vibrates.
+Two balls fall on a mat that is held all around, and that throws them up again. Neither comes back to its height: some of the
+energy stays in the vibrating mat, and some is lost at the contacts.
 """
 
 import matplotlib.pyplot as plt
@@ -24,7 +24,7 @@ figure = recording.plot()
 fig, ax = plt.subplots(figsize=(7, 3))
 for ball, name in ((large, "4 kg"), (small, "1 kg")):
     ax.plot(recording.t, recording.x[:, ball.index, 2], label=name)
-ax.axhline(1.0, color="grey", linewidth=0.8)
+ax.axhline(1.0, color="grey", linewidth=0.8, label="the mat at rest")
 ax.set(xlabel="time (s)", ylabel="height (m)")
 ax.legend()
 print(

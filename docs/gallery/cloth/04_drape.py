@@ -2,8 +2,8 @@
 A cloth over a ball
 ===================
 
-A square of cotton falls over a ball and lies on it in folds. Stiffnesses in N/m and N m determine how it bends, hangs and
-stretches; the mesh and the steps hardly matter.
+A square of cotton falls over a ball and lies on it in folds. Its stiffnesses, in N/m and N m, are those of the
+material, so that the same values describe the same cloth on a finer mesh.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 Dominoes
 ========
 
-Forty dominoes in a row, of which the first is pushed. After the first few, the wave runs at a constant speed, since each domino
-hits the next while it is still falling.
+Forty dominoes in a row, of which the first is pushed. After the first few, the wave runs at a constant speed: impacts and
+friction take away the energy that the falling dominoes gain.
 """
 
 import numpy as np

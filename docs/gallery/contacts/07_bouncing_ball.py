@@ -3,8 +3,8 @@ A bouncing ball
 ===============
 
 A ball of restitution 0.8 is thrown over a floor with friction. Each bounce reaches 0.64 of the height of the one before, and
-takes less time; in the end infinitely many of them fit into a finite time, and the ball rolls. Impacts are located within the
-step, so that a step of 1/60 s is as good as any.
+takes 0.8 of its time, so that infinitely many of them fit into a finite time, after which the ball rolls. Impacts are located
+within the step, and so steps of 1/60 s suffice.
 """
 
 import matplotlib.pyplot as plt
@@ -32,6 +32,6 @@ ax.legend()
 total = np.sqrt(2 / 9.81) * (1 + 0.8) / (1 - 0.8)
 print(
     f"bouncing ends after {total:.3f} s by theory; "
-    f"after 4.2 s the world's ball is {1e6 * abs(z[-48] - 0.05):.0f} micrometres off the floor"
+    f"after 4.2 s the world's ball is within {1e6 * abs(z[-48] - 0.05):.0f} micrometres of the floor"
 )
 print(f"highest after the third bounce: {(z[recording.t > 1.76] - 0.05).max():.4f} m; theory {0.64**3:.4f} m")

@@ -4,10 +4,11 @@ A magnetic bottle
 
 Where field lines converge, charges that spiral along them turn around, as in a mirror.
 
-The magnetic moment :math:`\\mu = \\frac{v_\\perp^2}{2 B}` is conserved, so that all of the motion is across the field where
-:math:`B = \\frac{v^2}{2 \\mu}`. On the axis the field is :math:`B = 1 + z^2`, and with 0.3 along the field and 0.5 across it
-in the middle, the ion turns near :math:`z = 0.3 / 0.5 = 0.6`. The moment is conserved to 1 %, as the field changes a little
-during a turn. Boris' method conserves the speed to rounding error.
+The magnetic moment :math:`\\mu = \\frac{v_\\perp^2}{2 B}` per unit of mass is conserved, and so the charge turns around
+where its velocity is perpendicular to the field: at :math:`B = \\frac{v^2}{2 \\mu}`. On the axis the field is
+:math:`B = 1 + z^2`, and with 0.3 along the field and 0.5 across it in the middle, the ion turns near
+:math:`z = 0.3 / 0.5 = 0.6`. The moment is conserved to 1 %, as the field changes a little during a turn. Boris' method
+conserves the speed to rounding error.
 """
 
 import matplotlib.pyplot as plt
@@ -38,5 +39,7 @@ right.plot(sol.t, sol.x[:, 2], label="z")
 right.plot(sol.t, moment / moment[0], label="magnetic moment / initial value", linewidth=0.8)
 right.set(xlabel="t", ylim=(-0.9, 1.8))
 right.legend()
-print(f"turns around at z = {sol.x[:, 2].max():.3f}; moment within {100 * abs(moment / moment[0] - 1).max():.1f} %")
-print(f"energy within {kd.analysis.largest_energy_error(sol):.1e}")
+print(
+    f"turns around at z = {sol.x[:, 2].max():.3f}; moment constant to {100 * abs(moment / moment[0] - 1).max():.1f} %"
+)
+print(f"largest relative error of the energy {kd.analysis.largest_energy_error(sol):.1e}")

@@ -3,7 +3,7 @@ A proton in Van Allen's belt
 ============================
 
 A proton of 10 MeV is trapped by the Earth's dipole field at two Earth radii from the centre: it gyrates 59 times a second,
-bounces from north to south and back in 1.04 s, and drifts around the Earth in 145 s. The theory of such particles (Walt,
+bounces from north to south and back in 1.04 s and drifts around the Earth in 145 s. The theory of such particles (Walt,
 Introduction to Geomagnetically Trapped Radiation, 1994) gives 1.04 s and 146 s. The picture shows one minute, in radii of the
 Earth.
 """
@@ -33,7 +33,8 @@ ax = fig.add_subplot(projection="3d")
 u, w = np.mgrid[0 : 2 * np.pi : 40j, 0 : np.pi : 20j]
 ax.plot_surface(np.cos(u) * np.sin(w), np.sin(u) * np.sin(w), np.cos(w), color="lightblue", linewidth=0, alpha=0.6)
 ax.plot(*sol.x.T, linewidth=0.4, color="C3")
-ax.set(xlabel="radii of the Earth", zlim=(-1.6, 1.6), xticks=range(-2, 3), yticks=range(-2, 3), zticks=(-1, 0, 1))
+ax.set(xlabel="x (radii of the Earth)", ylabel="y", zlabel="z")
+ax.set(zlim=(-1.6, 1.6), xticks=range(-2, 3), yticks=range(-2, 3), zticks=(-1, 0, 1))
 ax.set_box_aspect((1, 1, 0.75))
 north = np.flatnonzero((sol.x[1:, 2] > 0) & (sol.x[:-1, 2] <= 0))
 longitude = np.unwrap(np.arctan2(sol.x[:, 1], sol.x[:, 0]))

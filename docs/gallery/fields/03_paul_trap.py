@@ -2,7 +2,8 @@
 An ion in Paul's trap
 =====================
 
-No electrostatic field holds a charge: where it is pushed inwards along one axis, it is pushed outwards along another.
+No electrostatic field alone can hold a charge (Earnshaw 1842): where it is pushed inwards along one axis, it is pushed
+outwards along another.
 
 A field that changes its sign fast enough holds it all the same (Paul 1953, Nobel prize 1989), if the parameter
 :math:`q` of Mathieu's equation :math:`x'' = -2 q \\cos(2 \\tau)\\, x` is below 0.908. Here 232 ions, an ensemble, begin
@@ -36,10 +37,11 @@ fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3.6), layout="constrained")
 for chosen in (0.2, 0.6, 0.95):
     member = abs(q - chosen).argmin()
     left.plot(runs.t, runs.x[member, :, 0], label=f"q = {q[member]:.2f}", linewidth=0.9)
-left.set(xlabel="t", ylabel="x", ylim=(-8, 8), xlim=(0, 60))
-left.legend(loc="upper right")
+left.set(xlabel=r"$\tau$", ylabel="x", ylim=(-8, 8), xlim=(0, 60))
+left.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8, frameon=False)
 right.semilogy(q, largest)
-right.axvline(0.908, color="grey", linewidth=0.8)
+right.axvline(0.908, color="grey", linewidth=0.8, label="q = 0.908")
 right.set(xlabel="q", ylabel="largest |x|")
+right.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8, frameon=False)
 kept = q[largest < 100].max()
 print(f"ions are held up to q = {kept:.3f}; Mathieu's limit is 0.908")

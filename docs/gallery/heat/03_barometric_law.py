@@ -2,9 +2,9 @@
 The air grows thin
 ==================
 
-Molecules of nitrogen fall, and heat throws them up again: at a temperature T the share above a height z is :math:`e^{-m g z / k T}`,
-which for 288 K is half at 6 km. Here are four thousand molecules, each knocked about by a bath of that temperature, over a ground
-that throws them back.
+Molecules of nitrogen fall, and heat throws them up again: at a temperature T the share above a height z is
+:math:`e^{-m g z / k T}`, which for 288 K is half at 6 km. Here are four thousand molecules, each knocked about by a bath of
+that temperature, over a ground that throws them back.
 """
 
 import matplotlib.pyplot as plt
@@ -26,7 +26,7 @@ heights = sol.x[-20:].ravel()
 fig, ax = plt.subplots(figsize=(7, 3.8))
 ax.hist(heights, bins=np.arange(0, 45, 0.5), density=True, label="molecules")
 z = np.linspace(0, 45, 200)
-ax.plot(z, np.exp(-z / scale) / scale, label=r"$e^{-mgz/kT}$")
+ax.plot(z, np.exp(-z / scale) / scale, label=r"$(mg/kT)\, e^{-mgz/kT}$")
 ax.set(xlabel="height (km)", ylabel="share per km", xlim=(0, 45))
 ax.legend()
 print(f"mean height {heights.mean():.2f} km; kT/mg = {scale:.2f} km; half are below {np.median(heights):.2f} km")

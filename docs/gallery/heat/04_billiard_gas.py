@@ -4,7 +4,7 @@ Disks become a gas
 
 Sixty disks in a box have the same speed at first.
 
-After some collisions of each, their speeds have Maxwell's distribution, which in the plane is :math:`\\frac{v}{T}
+After a few collisions of each, their speeds follow Maxwell's distribution, which in the plane is :math:`\\frac{v}{T}
 e^{-v^2 / (2 T)}` for a mass of 1. Only the start is random here: each collision is located in time, and conserves
 energy and momentum.
 """
@@ -40,7 +40,7 @@ ax.hist(speeds, bins=40, density=True, label="disks")
 v, temperature = np.linspace(0, 3.2, 200), energy[-1] / count
 ax.plot(v, v / temperature * np.exp(-(v**2) / (2 * temperature)), label="Maxwell")
 ax.axvline(1.0, color="grey", linewidth=0.8, label="at the start")
-ax.set(xlabel="speed", ylabel="density")
+ax.set(xlabel="speed", ylabel="probability density")
 ax.legend()
 print(f"mean speed {speeds.mean():.3f}, Maxwell {np.sqrt(np.pi * temperature / 2):.3f}")
 print(f"energy at the end {energy[-1] / energy[0]:.6f} of that at the start")

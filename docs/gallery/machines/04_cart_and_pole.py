@@ -40,8 +40,8 @@ t, place, angle, force = np.array(rows).T
 fig, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 4.4))
 top.plot(t, angle)
 bottom.plot(t, place, color="C1")
-top.set(ylabel="angle (degrees)")
-bottom.set(xlabel="time (s)", ylabel="cart (m)")
+top.set(ylabel="pole's angle (degrees)")
+bottom.set(xlabel="time (s)", ylabel="cart's position (m)")
 print(
     f"largest angle after the push {abs(angle[t > 4]).max():.1f} degrees; "
     f"at the end {abs(angle[-1]):.4f} degrees, {place[-1]:.4f} m"

@@ -32,7 +32,7 @@ t, *speeds = np.array(rows).T
 fig, ax = plt.subplots(figsize=(7, 3.4))
 for count, speed in zip(teeth, speeds, strict=True):
     ax.plot(t, speed, label=f"{count} teeth")
-ax.set(xlabel="time (s)", ylabel="speed (rad/s)")
+ax.set(xlabel="time (s)", ylabel="angular velocity (rad/s)")
 ax.legend()
 inertia = sum(wheel.inertia[2, 2] * (teeth[0] / count) ** 2 for wheel, count in zip(wheels, teeth, strict=True))
 print(

@@ -2,9 +2,9 @@
 What becomes of an area
 =======================
 
-A disk of states of a pendulum, angles and speeds: blue at the start, orange and green after 4 and 8 units of time. The exact
-motion stretches it and conserves its area. So do the semi-implicit Euler method and Verlet's, step by step; the explicit
-method enlarges it, and the implicit one shrinks it.
+A disk of states of a pendulum, by angle and angular velocity: blue at the start, orange and green after 4 and 8 units of
+time. The exact motion stretches it and conserves its area. So do the semi-implicit Euler method and Verlet's, step by step;
+the explicit method enlarges it, and the implicit one shrinks it.
 """
 
 import matplotlib.pyplot as plt
@@ -28,6 +28,6 @@ for ax, method in zip(
     for x, v in zip(sol.x, sol.v, strict=True):
         ax.fill(x, v, alpha=0.6)
     ax.set(title=method, aspect="equal")
-    print(f"{method:20} area after 8: {area(sol.x[-1], sol.v[-1]) / area(*disk):.4f} of the first")
+    print(f"{method:20} area after 8: {area(sol.x[-1], sol.v[-1]) / area(*disk):.4f} of that at the start")
 fig.supxlabel("angle (rad)")
-fig.supylabel("speed (rad per unit of time)")
+fig.supylabel("angular velocity (rad per unit of time)")

@@ -2,9 +2,9 @@
 Order on a forced problem
 =========================
 
-A force that depends on time has to be evaluated at the right time: the clock moves with the drifts, by the share of each. A
-word whose clock moves with the kicks instead has the same order without a force, and order one with it. Here is Forest and
-Ruth's method of order four, with both clocks.
+A force that depends on time has to be evaluated at the right time: the clock advances with the drifts, by the share of each.
+If it advances with the kicks instead, a method keeps its order for forces that do not depend on time, and falls to order one
+for those that do. Here is Forest and Ruth's method of order four, with both clocks.
 """
 
 import matplotlib.pyplot as plt
@@ -16,7 +16,7 @@ word = [(letter.symbol, float(share)) for letter, share in kd.methods.get("fores
 
 
 def wrong(steps):
-    """The same kicks and drifts, with a clock that moves with the kicks."""
+    """The same kicks and drifts, with a clock that advances with the kicks."""
     h, t, x, v = 5.0 / steps, 0.0, 1.0, 0.0
     for _ in range(steps):
         for letter, share in word:

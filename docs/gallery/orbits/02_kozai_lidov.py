@@ -6,8 +6,8 @@ A planet circles its star at 1 au, nearly in a circle. Far out, a companion of h
 that is inclined by 65 degrees. It does not pull the planet away, but in thousands of years it exchanges inclination for
 eccentricity and back (Lidov 1962, Kozai 1962).
 
-The planet's angular momentum along the axis of the companion's orbit is conserved, and so the largest eccentricity is
-near :math:`\\sqrt{1 - \\frac{5}{3} \\cos^2 i_0} = 0.838`.
+The component of the planet's angular momentum along the axis of the companion's orbit is nearly conserved, and so the
+largest eccentricity is near :math:`\\sqrt{1 - \\frac{5}{3} \\cos^2 i_0} = 0.838`.
 """
 
 import matplotlib.pyplot as plt

@@ -3,9 +3,10 @@ Kirkwood's gaps
 ===============
 
 There are few asteroids whose period is 1/3, 2/5, 3/7 or 1/2 of Jupiter's (Kirkwood 1866). Here are 400 asteroids without
-mass, the Sun and Jupiter, over 20,000 years, a hundred thousand steps. All began on circles. Between these resonances their
-eccentricity stays at 0.06 or 0.07; at the resonances it has begun to grow: to 0.12 at 3:1, 0.21 at 5:2 and 0.34 at 2:1. In a
-million years some would cross the orbit of Mars, and that is how the gaps were emptied (Wisdom 1982).
+mass, the Sun and Jupiter, over 20,000 years, a hundred thousand steps. All began on circles. From 2.6 to 3.1 au, away from
+the resonances, their eccentricity stays at 0.06 to 0.08; at three of them it has begun to grow: to 0.12 at 3:1, 0.21 at 5:2 and
+0.34 just outside 2:1. In a million years asteroids at 3:1 come to cross the orbit of Mars, and that is how this gap was
+emptied (Wisdom 1982).
 """
 
 import matplotlib.pyplot as plt
@@ -33,8 +34,7 @@ for p, q in ((3, 1), (5, 2), (7, 3), (2, 1)):
     ax.axvline(place, color="grey", linewidth=0.6)
     ax.text(place, 1.11 * largest.max(), f"{p}:{q}", ha="center")
 ax.set(xlabel="semi-major axis at the start (au)", ylabel="largest eccentricity", ylim=(0, 1.1 * largest.max()))
-near = abs(axes - jupiter / 3 ** (2 / 3)) < 0.03
-print(
-    f"at the 3:1 resonance up to {largest[near].max():.2f}, between 2.6 and 2.75 au at most "
-    f"{largest[(axes > 2.6) & (axes < 2.75)].max():.2f}"
-)
+for name, place in (("3:1", 2.50), ("5:2", 2.82), ("2:1", 3.30)):
+    print(f"eccentricities near {name} up to {largest[abs(axes - place) < 0.05].max():.2f}")
+calm = (axes > 2.6) & (axes < 3.1) & (abs(axes - 2.82) > 0.05)
+print(f"from 2.6 to 3.1 au, except near 5:2, up to {largest[calm].max():.2f}")

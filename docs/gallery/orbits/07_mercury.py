@@ -6,8 +6,8 @@ In Newton's gravity the ellipse of a lone planet stays where it is.
 
 General relativity adds a force that falls with the fourth power of the distance, and the perihelion moves on: by
 :math:`\\frac{6 \\pi GM}{c^2 a (1 - e^2)}` an orbit, which is 43 seconds of arc a century for Mercury (Einstein
-1915). That additional force is a ten-millionth of Newton's, and it shows because the method's own error turns the
-ellipse by less than a hundredth of a second.
+1915). That additional force is a ten-millionth of Newton's. It shows because the method's own error turns the ellipse by
+less than a hundredth of a second of arc.
 """
 
 import matplotlib.pyplot as plt

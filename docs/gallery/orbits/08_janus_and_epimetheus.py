@@ -5,8 +5,8 @@ Two moons on one orbit
 The orbits of Saturn's moons Janus and Epimetheus differ by 50 km, less than the moons' own size. Every four years the inner
 one catches up, but they do not collide: they pull on each other, the inner one gains energy, rises to the outer orbit and,
 slower there, falls behind, while the other sinks to the inner one (Dermott and Murray 1981). In the frame that rotates with
-both, each draws a horseshoe; that of Janus is 3.6 times narrower, as it has 3.6 times the mass. Distances from the mean orbit
-are drawn 500 times too large.
+both, Epimetheus draws a horseshoe, and Janus, with 3.6 times the mass, an arc 3.6 times shorter and narrower. Distances from
+the mean orbit are drawn 500 times too large.
 """
 
 import matplotlib.pyplot as plt

@@ -37,7 +37,7 @@ for half, name in zip(halves, ("before", "after"), strict=True):
     energy = 0.5 * (rate[-1] @ rate[-1]) - GM / np.linalg.norm(way[-1])
     kind = f"leaves with {km_s * np.sqrt(2 * energy):.1f} km/s" if energy > 0 else "bound to the Sun"
     print(f"{name}: {kind}; nearest to the Sun {np.linalg.norm(way, axis=1).min():.2f} au")
-left.plot(0, 0, "o", color="gold")
-left.set(aspect="equal", xlabel="au", ylabel="au")
+left.plot(0, 0, "o", color="gold", label="Sun")
+left.set(aspect="equal", xlabel="x (au)", ylabel="y (au)")
 left.legend(fontsize=8)
-right.set(xlabel="years", ylabel="speed (km/s)", ylim=(0, 50))
+right.set(xlabel="time (years)", ylabel="speed (km/s)", ylim=(0, 50))

@@ -32,7 +32,8 @@ for ax, row in zip(panels.flat, (0, 6, 9, 12), strict=True):
     ax.plot(*sol.x[row, 1502:, :2].T, ".", markersize=1, color="C1")
     ax.plot(*sol.x[row, :2, :2].T, "k.")
     ax.set(aspect="equal", xlim=(-7, 7), ylim=(-7, 7), title=f"t = {sol.t[row]:.0f}")
-panels[1, 0].set(xlabel="x, in the length unit", ylabel="y")
+fig.supxlabel("x")
+fig.supylabel("y")
 far = np.linalg.norm(sol.x[-1, 2:, None] - sol.x[-1, None, :2], axis=2).min(axis=1) > 2
 print(
     f"{100 * far.mean():.0f} % of the stars are more than 2 from both centres at the end, three times the radius of the disks"

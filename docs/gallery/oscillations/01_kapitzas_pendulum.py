@@ -2,9 +2,10 @@
 Kapitza's pendulum
 ==================
 
-A pendulum whose support shakes up and down fast enough stands on its head, if the speed of the support exceeds
-:math:`\\sqrt{2 g l}` (Stephenson 1908, Kapitza 1951). With 20 cm of length, that is 2 m/s. Shaken at 40 Hz by 10 mm, up to
-2.5 m/s, it swings about the upright position; by 7 mm, up to 1.8 m/s, it falls, swings up on the other side, and back.
+A pendulum whose support shakes up and down fast enough stands on its head, if the peak speed of the support exceeds
+:math:`\\sqrt{2 g l}` (Stephenson 1908, Kapitza 1951), which is 2 m/s for a length of 20 cm. Shaken at 40 Hz with an amplitude
+of 10 mm, at up to 2.5 m/s, it swings about the upright position; with 7 mm, at up to 1.8 m/s, it falls, swings up on the other
+side, and back.
 """
 
 import matplotlib.pyplot as plt

@@ -4,9 +4,9 @@ Foucault's pendulum
 
 The pendulum of the Panthéon is 67 m long, and swings 3 m to either side.
 
-The Earth turns under it, and so its plane seems to turn, by :math:`360 \\sin \\varphi` degrees a day, 11.3 an hour in
-Paris at 48.85 degrees north. The Coriolis force :math:`-2 \\Omega \\times v` that turns it is three ten-thousandths of
-the force that swings it. It depends on the velocity, and so needs a method that keeps its order there, such as
+The Earth turns under it, and so its plane seems to turn, by :math:`360 \\sin \\varphi` degrees a day, 11.3 an hour in Paris
+at 48.85 degrees north. The Coriolis force that turns it, :math:`-2 m \\Omega \\times v`, is tiny: its maximum is three
+ten-thousandths of the restoring force's. It depends on the velocity, and so needs a method that keeps its order there, such as
 ``implicit-verlet``.
 """
 

@@ -2,12 +2,11 @@
 Dry and viscous friction
 ========================
 
-A block on a spring loses its amplitude in two ways. Viscous friction removes the same fraction of it in every period:
-an exponential.
+A block swings on a spring. Viscous friction removes the same fraction of its amplitude in every period: an exponential.
 
-Dry friction, which is the same at any speed, removes the same length, :math:`4 \\mu N / k`: a straight line, and
-then rest. The dry force jumps where the block turns around; steps end there (``switches=``), so that a method of order four
-keeps its order.
+Dry friction, which is the same at any speed, removes the same length, :math:`4 \\mu N / k`, in every period: a straight
+line, and then the block is at rest. Both laws are dotted in the picture. The dry force jumps where the block turns around;
+steps end there (``switches=``), so that a method of order four keeps its order.
 """
 
 import matplotlib.pyplot as plt

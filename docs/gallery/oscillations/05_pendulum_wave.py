@@ -29,7 +29,7 @@ for ax, time in zip(panels.flat, (0, 1, 4, 7.5, 15, 20, 30, 60), strict=True):
     ax.plot(swings, angles, "o-", linewidth=0.6, markersize=4)
     ax.set_title(f"{time} s", loc="left", fontsize=9)
 fig.supxlabel("swings a minute")
-fig.supylabel("degrees")
+fig.supylabel("angle (degrees)")
 late = sol.t > 50
 print(f"lengths from {100 * lengths.min():.1f} to {100 * lengths.max():.1f} cm")
 print(f"together again at {sol.t[late][sol.x[late].mean(axis=1).argmax()]:.2f} s")

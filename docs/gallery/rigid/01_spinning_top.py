@@ -3,7 +3,7 @@ A spinning top
 ==============
 
 A cone on its tip, spinning at 600 rad/s and leaning by 25 degrees, does not fall: its axis precesses about the vertical
-and, since it was at rest when the top was released, nutates a little.
+and, since the axis was at rest when the top was released, nutates a little.
 
 The rate of slow precession is the smaller root of :math:`I_1 \\cos \\theta\\, \\Omega^2 - I_3 \\omega\\, \\Omega + m g
 l = 0`, near :math:`m g l / (I_3 \\omega)`.
@@ -28,7 +28,7 @@ recording = world.run(duration=3.0, step=1 / 1000)
 centre = recording.x[:, top.index]
 fig, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.8), layout="constrained", width_ratios=(1, 1.5))
 left.plot(1e3 * centre[:, 0], 1e3 * centre[:, 1])
-left.set(aspect="equal", xlabel="mm", ylabel="mm", title="centre of mass from above")
+left.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)", title="centre of mass from above")
 around = np.unwrap(np.arctan2(centre[:, 1], centre[:, 0]))
 tilt = np.degrees(np.arccos(centre[:, 2] / np.linalg.norm(centre, axis=1)))
 right.plot(recording.t, tilt)
@@ -38,4 +38,4 @@ roots = np.roots([across * np.cos(lean), -along * spin, 0.2 * 9.81 * length])
 rate = np.polyfit(recording.t, around, 1)[0]
 print(f"precession {abs(rate):.3f} rad/s; theory {roots.min():.3f} rad/s")
 energy = recording.derived["kinetic energy"] + recording.derived["potential energy"]
-print(f"energy within {abs(energy / energy[0] - 1).max():.1e}")
+print(f"largest relative change of the energy {abs(energy / energy[0] - 1).max():.1e}")

@@ -3,8 +3,8 @@ Dzhanibekov's wing nut
 ======================
 
 A wing nut that spins in weightlessness turns over, back, and over again, as the cosmonaut Dzhanibekov saw in 1985: rotation
-about the axis of the intermediate moment of inertia is unstable. About the other two axes it is stable. Energy and angular
-momentum are conserved all the while.
+about the axis of the intermediate moment of inertia, here z, is unstable. About the other two axes it is stable. Energy and
+angular momentum are conserved all the while.
 """
 
 import matplotlib.pyplot as plt
@@ -33,11 +33,11 @@ axis = np.stack(
 own = np.einsum("ijt,tj->ti", axis, spin)
 fig, ax = plt.subplots(figsize=(7.5, 3.6))
 for k, name in enumerate("xyz"):
-    ax.plot(recording.t, own[:, k], label=f"about {name}")
-ax.set(xlabel="time (s)", ylabel="spin in the body's axes (rad/s)")
+    ax.plot(recording.t, own[:, k], label=f"about the body's {name} axis")
+ax.set(xlabel="time (s)", ylabel="angular velocity (rad/s)")
 ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8, frameon=False)
 print("moments of inertia, g m^2:", np.round(1e3 * np.diag(moments), 4))
 about = own @ middle
 print(f"turns over at {', '.join(f'{t:.1f}' for t in recording.t[1:][about[1:] * about[:-1] < 0])} s")
 kinetic = recording.derived["kinetic energy"]
-print(f"energy within {abs(kinetic / kinetic[0] - 1).max():.1e}")
+print(f"largest relative change of the energy {abs(kinetic / kinetic[0] - 1).max():.1e}")

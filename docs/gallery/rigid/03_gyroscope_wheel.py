@@ -1,9 +1,9 @@
 """
-A wheel on a rope
-=================
+A wheel hung by its axle
+========================
 
-A bicycle wheel hangs by one end of its axle, and does not tip over as long as it spins: its weight turns the axle sideways, at
-the rate :math:`m g l / (I \\omega)`. In this version of the classic lecture experiment, the wheel is a disk of 3 kg, whose
+A bicycle wheel hung by one end of its axle does not tip over as long as it spins: its weight turns the axle sideways, at the
+rate :math:`m g l / (I \\omega)`. In this version of the classic lecture experiment, the wheel is a disk of 3 kg, whose
 axle hangs from a ball joint, and which starts with that rate of precession.
 """
 

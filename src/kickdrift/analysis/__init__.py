@@ -1,4 +1,4 @@
-"""Judging runs: order, stability, energy, phase, symplecticity."""
+"""Assessing runs and methods: energy, phase, order, stability, symplecticity, orbits, chaos."""
 
 from kickdrift.analysis.advice import Advice
 from kickdrift.analysis.energy import energy_drift, energy_error, largest_energy_error, modified_energy

@@ -45,7 +45,7 @@ class Advice:
         Lengths of the whole span, and of the runs.
     trials : tuple of Trial
         The methods that meet the tolerance, ordered by force evaluations; `growth` is the power of time with which errors are
-        taken to grow.
+        assumed to grow.
     left_out : mapping of str to str
         The other methods, and the reasons.
     """

@@ -124,7 +124,7 @@ def modified_order(
         At least two.
     order : int, optional
         The last power of the step in the series. By default the order p of the method, or 4 if that is less: the first term
-        beyond H. Then the power measured is p + 1, or p + 2 of a symmetric method, where the energy itself is conserved to p.
+        beyond H. Then the power measured is p + 1, or p + 2 for a symmetric method; that of the energy itself is p.
 
     Returns
     -------

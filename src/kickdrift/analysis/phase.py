@@ -33,7 +33,7 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     Raises
     ------
     ArgumentError
-        For a reference with other states, or without its equations.
+        For a reference with states of another shape, or one that was loaded and so lacks its equations.
     KickdriftError
         Without a reference if there is no exact solution.
 

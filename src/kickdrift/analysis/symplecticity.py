@@ -102,10 +102,10 @@ def symplecticity_defect(
             f"masses of shape {np.shape(masses)} do not fit states of shape {x.shape}; for (N, 3) give N."
         ) from None
     size = x.size
-    if step == 0 or x.shape != v.shape:
-        raise ArgumentError(
-            f"step={step!r} must not be 0, and at must be x and v of one shape, not {x.shape}, {v.shape}."
-        )
+    if step == 0:
+        raise ArgumentError(f"step={step!r} must not be 0; give the size of one step, with its sign.")
+    if x.shape != v.shape:
+        raise ArgumentError(f"at has x of shape {x.shape} and v of shape {v.shape}; give one velocity per position.")
 
     def image(rows: Floats) -> Floats:
         halves = rows.reshape(-1, 2, *x.shape)

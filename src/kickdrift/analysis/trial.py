@@ -39,7 +39,7 @@ class Trial:
     energy_error : float
         The largest relative one in the pilot; NaN where there is no energy.
     growth : float
-        The power of time with which errors are taken to grow.
+        The power of time with which errors are assumed to grow.
     runs : int
         Number of pilot runs.
     """

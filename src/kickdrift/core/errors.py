@@ -104,7 +104,9 @@ def unknown_name(argument: str, value: object, known: Iterable[str]) -> UnknownN
     """Build the error for a name that is not in a catalogue, with similar names."""
     known = sorted(known)
     near = difflib.get_close_matches(str(value), known, n=3, cutoff=0.4)
-    hint = f"did you mean {' or '.join(repr(name) for name in near)}?" if near else f"known: {', '.join(known)}."
+    hint = f"known: {', '.join(known)}." if known else "there are no names to choose from."
+    if near:
+        hint = f"did you mean {' or '.join(repr(name) for name in near)}?"
     return UnknownNameError(f"{argument}={value!r} is unknown; {hint}")
 
 

@@ -8,6 +8,7 @@ from contextvars import ContextVar
 from typing import Any
 
 _SHORT_RUN_SECONDS = 2.0  # runs expected to be shorter show no bar
+_JUDGED_AFTER = 0.1  # s: the first step alone may take as long as ten thousand later ones
 _MANY = 10_000  # from which steps are counted in thousands and millions; fewer would be "3.00/51.0"
 
 
@@ -29,7 +30,8 @@ class Bar:
         """Show the number of steps done, and the seconds that they took."""
         if self._tell is not None:
             self._tell(step)
-        if self._possible and self._bar is None and seconds * self._n_steps / step > self._from_seconds:
+        late_enough = seconds > min(_JUDGED_AFTER, self._from_seconds)
+        if self._possible and self._bar is None and late_enough and seconds * self._n_steps / step > self._from_seconds:
             many = self._n_steps >= _MANY
             shown = {"unit": self._unit, "unit_scale": many, "bar_format": self._format}
             self._bar = _tqdm()(total=self._n_steps, leave=False, file=sys.stderr, **shown)

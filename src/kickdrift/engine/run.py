@@ -161,17 +161,16 @@ class Run:
             stopped = self._look()
             if stopped is not None:
                 return stopped
-            now = time.perf_counter()
+            now = copied = time.perf_counter()
             if self.rows.ended(reached):  # the last checkpoint is the state itself
                 self._checkpoint = Checkpoint(self._state, reached, mark)
-                bar.show(self.rows.progress(reached)[0], now - started)
-                break
-            # Two copies in turns: an interruption while one is written finds the other.
-            copy = self._state.copy(good.state, into=self._spare)
-            self._checkpoint, self._spare = Checkpoint(copy, reached, mark), good.state
-            copied = time.perf_counter()
-            chunk = next_chunk(reached - good.step, now - chunk_started, _LEAST_SHARE * (copied - now))
+            else:  # two copies in turns: an interruption while one is written finds the other
+                copy = self._state.copy(good.state, into=self._spare)
+                self._checkpoint, self._spare = Checkpoint(copy, reached, mark), good.state
+                copied = time.perf_counter()
+                chunk = next_chunk(reached - good.step, now - chunk_started, _LEAST_SHARE * (copied - now))
             bar.show(self.rows.progress(reached)[0], copied - started)
+            self._seconds -= time.perf_counter() - copied  # a widget of a notebook takes 0.1 s to open
         return None
 
     def _attempt(self, target: int) -> tuple[int, Mark, Failure | None]:

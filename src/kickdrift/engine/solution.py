@@ -211,9 +211,9 @@ class Solution(Motion, Presented):
     def return_to(self, t: float) -> Solution:
         """Go back to an earlier time, by the steps of this run in reverse.
 
-        For reversible steps that vary. They begin with the step density that the run has reached, at the end of its last
-        step, and lead back to the start up to rounding. A new run of `kickdrift.solve` from there would begin with another
-        density, and take other steps. With equal steps it takes the same ones: use it instead.
+        For reversible variable steps. They begin at the end of the last step, with the step density that the run has
+        reached there, and lead back to the start up to rounding. A new run of `kickdrift.solve` from there would begin with
+        another density, and take other steps. With equal steps it would take the same ones: use `kickdrift.solve` there.
 
         Parameters
         ----------
@@ -229,7 +229,7 @@ class Solution(Motion, Presented):
         Raises
         ------
         ArgumentError
-            For another time than that, for equal steps, and for steps that do not lead back: by local error, or cut by
+            For a time outside the run, for equal steps, and for steps that do not lead back: by local error, or cut by
             impacts or switches.
         KickdriftError
             If the solution was loaded from a file or comes from another process, without its equations.

@@ -89,7 +89,7 @@ def solve(
         the method that takes the least time, or nearly so, for errors between 1e-3 and 1e-9 at the end; for non-separable
         Hamiltonians that is `dop853`, whose energy drifts.
     t_eval : array_like, optional
-        Times to keep, any in `t_span`, in any order; with `save_to` in that of the run. States between two steps are
+        Times to keep, any in `t_span`, in any order; with `save_to` in the order of the run. States between two steps are
         computed as by ``solution(t)``.
     save_every : int, optional
         Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
@@ -118,9 +118,9 @@ def solve(
     rtol, atol : float, optional
         Tolerances, relative and absolute, for ``step_control=kd.LocalError(rtol, atol)``; 1e-3 and 1e-6 where one is given.
     max_steps : int, optional
-        Most steps that the call may take. The number of steps that vary is not known before, and has no limit where the
-        motion goes to infinity: the run then ends with the states up to there, and ``solution.continue_to`` goes on. By
-        default there is no limit.
+        Largest number of steps that the call may take. The number of variable steps is not known in advance, and has no limit
+        where the motion goes to infinity: the run then ends with the states up to there, and ``solution.continue_to`` goes
+        on. By default there is no limit.
     args : sequence of float, optional
         Numbers passed to the functions as ``params``.
     compensated : bool

@@ -177,9 +177,9 @@ class TimeTransformed:
 class LocalError:
     """Steps whose estimated error is at most ``atol + rtol * abs(state)`` on average, for any method without noise.
 
-    The error is the method's own estimate (``"dop853"``), or else each step is done once whole and once as two halves, of
-    which the halves are kept. For dissipative and other problems without conserved quantities: the energy drifts with the
-    errors.
+    The error is the method's own estimate (``"dop853"``), or else each step is done as a whole and as two halves, and
+    the result of the halves is kept. For dissipative and other problems without conserved quantities: the energy drifts with
+    the errors.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ class LocalError:
 
     method: ClassVar[str] = "auto"  # where none is named
     order: ClassVar[int | None] = None
-    conserves: ClassVar[str] = "nothing exactly: the energy drifts by the errors"
+    conserves: ClassVar[str] = "nothing exactly: the energy drifts with the errors"
 
     @staticmethod
     def spelled(spell: Spell, word: Word) -> Spelled:

@@ -19,8 +19,9 @@ class Mesh(NamedTuple):
     Attributes
     ----------
     vertices : (N, 3) array
+        In the unit of the file; `World.add_cloth` takes metres.
     triangles : (M, 3) array
-        Rows of vertices.
+        Indices of vertices.
     """
 
     vertices: NDArray[np.float64]
@@ -46,7 +47,7 @@ def load_mesh(path: str | Path) -> Mesh:
     FileFormatError
         If there is no such file, or no triangles in it.
     MissingExtraError
-        Without trimesh.
+        If trimesh is not installed.
 
     Examples
     --------

@@ -41,11 +41,11 @@ class Robot(NamedTuple):
         By their names in the file; several hinges and slides on one body may be one joint. Floating bodies have none.
     axes : mapping of str to int
         Which axis of its joint each of the file's joints is, for ``Joint.angles``, ``Joint.set_drive`` and the like;
-        -1 for balls.
+        -1 for ball joints.
     closures : mapping of str to Joint
-        Balls and fixed joints that close loops, by the names of the file's constraints.
+        Ball joints and fixed joints that close loops, by the names of the file's constraints.
     actuators : mapping of str to Actuator
-        Motors and servos. Servos are drives of their joints with the control zero.
+        Motors and servos. Servos begin as drives of their joints, with control zero.
     between : mapping of str to Body
         Small intermediate bodies, for joints of one body that no single joint here represents, by the names of the joints
         that move them.

@@ -95,7 +95,7 @@ class Letter(Enum):
 
     @property
     def implicit(self) -> bool:
-        """Whether it solves an equation that the acceleration is part of."""
+        """Whether it solves an equation that contains the acceleration."""
         return self in (
             Letter.ADJOINT_KICK,
             Letter.ADJOINT_DRIFT,
@@ -112,7 +112,7 @@ class Letter(Enum):
 
     @property
     def sweep(self) -> str | None:
-        """The flow that it is for first-order equations, over their components; None where it moves only v."""
+        """The flow that replaces it for first-order equations, over their components; None if it changes only v."""
         return None if self.share == "kick" else _SWEEPS.get(self, self.value)
 
     @property
@@ -122,7 +122,10 @@ class Letter(Enum):
 
     @property
     def turned(self) -> bool:
-        """Whether a step that begins and ends with it begins behind it, as its second half costs as much as all of it."""
+        """Whether half of it costs as much as all of it.
+
+        The half at the end of a step and that at the beginning of the next are then done as one.
+        """
         return self is Letter.KEPLER
 
     @property
@@ -137,7 +140,7 @@ class Letter(Enum):
 
     @property
     def kind(self) -> Kind:
-        """The widest kind of problem that has the flow."""
+        """The widest kind of problem for which the flow exists."""
         return _KINDS.get(self, Kind.FIRST_ORDER)
 
     @property

@@ -12,7 +12,7 @@ _SUBSTEPS = 10
 
 
 def respa(substeps: int = _SUBSTEPS) -> Method:
-    """Create the impulse method, r-RESPA, with a number of steps with the fast force per step with the slow one.
+    """Create the impulse method, r-RESPA, with a number of steps of the fast force in each step of the slow one.
 
     A step is a half-kick by the slow force, `substeps` steps of Stoermer-Verlet with the fast one, and another half-kick. It
     is symplectic and symmetric, of order 2, with one evaluation of the slow force. Where the time between kicks is close to

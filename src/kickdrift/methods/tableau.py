@@ -102,7 +102,7 @@ class Tableau:
 
     @property
     def onward(self) -> NDArray[np.float64]:
-        """Weights of the slopes of a step in the stages of the next one, as the polynomial through the slopes has it.
+        """Weights of the slopes of a step in the stages of the next one, extrapolated by the polynomial through the slopes.
 
         Row i has the integrals from 1 to 1 + c_i of the polynomials that are 1 at one node and 0 at the others. Zeros
         where nodes coincide, and for explicit tableaux.
@@ -128,9 +128,9 @@ class Tableau:
     def embedded(self) -> NDArray[np.float64]:
         """Weights of an estimate of the error: of the slope at the start, then of those of the stages.
 
-        The estimate is the difference from the quadrature of order s that has the slope at the start for one of its
-        own, with a weight that is the real eigenvalue of a (Hairer, Wanner, section IV.8), or where there is none the
-        modulus of that nearest to the real axis.
+        The estimate is the difference from a quadrature of order s that also has the slope at the start. The weight of
+        that slope is the real eigenvalue of a (Hairer, Wanner, section IV.8), or, if there is none, the modulus of the
+        eigenvalue nearest to the real axis.
         """
         nodes, powers = self._a.sum(axis=1), np.arange(self.stages)
         eigenvalues = np.linalg.eigvals(self._a)

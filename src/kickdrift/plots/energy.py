@@ -71,8 +71,8 @@ def plot_energy_comparison(
 ) -> "Figure":
     """Plot the energy errors of several runs in one figure.
 
-    The scale is linear around zero, as far as the smallest of the largest errors goes, and logarithmic beyond: growth,
-    loss and a bounded ripple all show.
+    The axis is linear around zero, up to the smallest of the runs' maximal errors, and logarithmic beyond, so that growth, loss
+    and bounded oscillations are all visible.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ def plot_stability_region(
     """Plot the stability region of a method.
 
     For a method with an amplification factor R(z), z = h lambda, this is the region |R(z)| <= 1 of the complex plane. For a
-    word of kicks and drifts, plot the moduli of both eigenvalues of one step on the oscillator against h omega.
+    word of kicks and drifts, the moduli of both eigenvalues of one step of the oscillator are plotted against h omega.
 
     Parameters
     ----------

@@ -102,7 +102,7 @@ def solve_ensemble(
     impacts, switches, step_control, rtol, atol
         As for `kickdrift.solve`: variable steps, separately for each member, with `t_eval` for the times to keep.
     max_steps : int, optional
-        As for `kickdrift.solve`: most steps of a member, so that none keeps the others waiting without end.
+        As for `kickdrift.solve`: the largest number of steps of a member, so that none keeps the others waiting for ever.
     args : array_like or mapping, optional
         Numbers passed to the functions as ``params``: p for all, or (M, p). Or a range for each by name, in the order of
         ``params``, ``{"stiffness": np.linspace(1, 9, 81), "damping": [0.1, 0.2]}``: the members are the product of all

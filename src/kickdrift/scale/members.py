@@ -234,7 +234,8 @@ def _made(maker: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
     except Exception as error:
         given = ", ".join(f"{name}={value!r}" for name, value in arguments.items())
         raise ArgumentError(
-            f"problem={name_of(maker)} raised {type(error).__name__} for {given}: {error}; give other args, or mend it."
+            f"problem={name_of(maker)} raised {type(error).__name__} for {given}: {error}; give other args, or correct the"
+            " function."
         ) from error
     if not isinstance(made, System | Problem):
         raise ArgumentError(

@@ -50,7 +50,7 @@ class Defaults:
         Its method.
     comparison : (float, float)
         Duration and step for the methods of `FIRST_METHODS`: steps so small that implicit Euler, under which orbits
-        shrink, reaches the end before two bodies fall onto each other.
+        shrink, reaches the end before two bodies collide.
     """
 
     duration: float = 100.0

@@ -134,7 +134,7 @@ def nbody(
     Raises
     ------
     ArgumentError
-        For shapes that do not match, negative masses, or a negative G or softening.
+        For shapes that do not match, negative masses, a G that is not positive, or a negative softening.
 
     Notes
     -----
@@ -202,11 +202,11 @@ def _checked(
         if value.shape != (m.size, 3):
             raise ArgumentError(f"{name} has shape {value.shape}, but {m.size} masses need shape ({m.size}, 3).")
         if not np.isfinite(value).all():
-            raise ArgumentError(f"{name} of body {int(np.argwhere(~np.isfinite(value))[0][0])} is not finite.")
+            body = int(np.argwhere(~np.isfinite(value))[0][0])
+            raise ArgumentError(f"{name}[{body}]={value[body].tolist()} must be finite.")
     if not (np.isfinite(m).all() and (m >= 0).all()):
-        raise ArgumentError(
-            f"masses[{int(np.argwhere(~(m >= 0) | ~np.isfinite(m))[0][0])}] must be finite and at least 0."
-        )
+        body = int(np.argwhere(~(m >= 0) | ~np.isfinite(m))[0][0])
+        raise ArgumentError(f"masses[{body}]={m[body]} must be finite and at least 0.")
     if not _between(G, 5e-324):
         raise ArgumentError(f"G={G!r} must be positive and finite.")
     if not _between(softening, 0.0):

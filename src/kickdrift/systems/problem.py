@@ -91,7 +91,7 @@ class Problem(ABC):
     has_velocity : bool
         Whether there are velocities, or momenta.
     start_in_params : bool
-        Whether the params of its system depend on the numbers of the start.
+        Whether the params of its system depend on the initial state.
 
     Examples
     --------

@@ -85,7 +85,7 @@ class Controls:
         most = max(_SUBSTEPS, world.substeps)
         substeps = gui.add_slider("Substeps", 1, most, 1, world.substeps, hint="More make contacts stiffer")
         self._follow(substeps, lambda: world.substeps, lambda value: setattr(world, "substeps", value))
-        sleeping = gui.add_checkbox("Sleeping", world.sleeping, hint="Whether what has rested is left alone")
+        sleeping = gui.add_checkbox("Sleeping", world.sleeping, hint="Skip islands at rest")
         self._follow(sleeping, lambda: world.sleeping, lambda value: setattr(world, "sleeping", value))
 
     def _add_target(self, gui: Any, name: str, joint: Joint, axis: int) -> None:

@@ -53,7 +53,7 @@ def number(argument: str, value: Any, unit: str, *, zero: bool = True) -> float:
     """Return a finite number that is positive, or zero if `zero` allows it; ArgumentError for others."""
     if type(value) is float and 0.0 < value < np.inf:
         return value
-    what = f"zero or positive and finite, in {unit}" if zero else f"positive and finite, in {unit}"
+    what = ("zero or " if zero else "") + "positive and finite" + (f", in {unit}" if unit != "1" else "")
     try:
         size = real(value)
     except TypeError:

@@ -24,7 +24,7 @@ class Energy(NamedTuple):
         Translational and rotational.
     potential : float
         Of gravity, zero at the origin, plus the elastic energy of cloths, ropes and soft bodies. That of springs and drives
-        at joints is not part of it, nor is that of forces of your own.
+        at joints is not part of it, nor is that of force functions.
     """
 
     kinetic: float

@@ -29,8 +29,8 @@ class Contact(NamedTuple):
     normal : (3,) array
         Unit normal, from the first body to the second.
     force : (3,) array
-        On the second body, friction included, in the last substep, N; the first feels the opposite. Bounces are over in an
-        instant, and not included.
+        On the second body, friction included, in the last substep, N; the opposite acts on the first. Impulses of bounces are
+        not included.
     """
 
     body_a: Body

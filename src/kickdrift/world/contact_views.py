@@ -28,7 +28,7 @@ class ContactViews:
 
     @property
     def contacts(self) -> list[Contact]:
-        """Bodies that pressed on each other in the last step: where, and with which force; those of cloths are not among them.
+        """Contacts at which bodies pressed on each other in the last step, with their forces; those of cloths are not included.
 
         Examples
         --------
@@ -48,6 +48,6 @@ class ContactViews:
 
     @property
     def contact_points(self) -> NDArray[np.float64]:
-        """Points at which bodies pressed on each other in the last step, (P, 3), m; those of cloths are not among them."""
+        """Points at which bodies pressed on each other in the last step, (P, 3), m; those of cloths are not included."""
         with self.tables.lock:
             return contact_points(self.tables)

@@ -103,7 +103,8 @@ class AppliesForces:
         Raises
         ------
         ArgumentError
-            If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
+            If it is not a function, has an argument with an unknown name or neither `force` nor `torque`, or cannot be
+            compiled.
 
         Examples
         --------
@@ -129,14 +130,14 @@ class AppliesForces:
         Parameters
         ----------
         wind : callable
-            Its argument names declare what it needs, in any order: `t`, s, `position`, m, and `velocity`, m/s, and `wind`,
-            m/s, to which it adds in place; arrays with one row per vertex of all cloths. The wind must depend on its
+            Its argument names declare what it needs, in any order: `t` (s), `position` (m), `velocity` (m/s), and `wind`
+            (m/s), to which it adds in place; arrays with one row per vertex of all cloths. The wind must depend on its
             arguments only. Numbers and arrays that it captures keep their present values.
 
         Raises
         ------
         ArgumentError
-            If it is not a function, has an argument with an unknown name, has no output, or cannot be compiled.
+            If it is not a function, has an argument with an unknown name, has no `wind`, or cannot be compiled.
 
         Examples
         --------

@@ -1,5 +1,7 @@
 """Gusts: a turbulent wind, the same for the same seed."""
 
+from __future__ import annotations
+
 import math
 
 import numpy as np
@@ -35,7 +37,7 @@ def gusts(mean: ArrayLike, intensity: float = 0.2, length: float = 5.0, seed: in
     mean : (3,) array_like
         Velocity of the mean wind, m/s.
     intensity : float
-        Root mean square of the fluctuation of each component over the mean speed: 0.1 over the sea, 0.3 among houses.
+        Root mean square of the fluctuation of each component, divided by the mean speed: 0.1 over the sea, 0.3 among houses.
     length : float
         Integral length scale of the turbulence along the wind, m.
     seed : int

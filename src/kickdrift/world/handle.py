@@ -40,7 +40,7 @@ class Handle:
 
     @property
     def generation(self) -> int:
-        """Number of rows that the world had before it; identifies handles of removed ones."""
+        """How many of its kind were added before it; tells its handle from those of earlier occupants of its row."""
         return self._generation
 
     @property
@@ -51,7 +51,7 @@ class Handle:
     def name(self) -> str | None:
         """Its name, or None; unique in the world. Can be set.
 
-        Of what was removed, or has broken, the last name that this handle has seen.
+        Once it has been removed or has broken, the last name that this handle knew.
         """
         if self._registry.knows(self.index, self._generation):
             self._last_name = self._registry.names.of(self.index)

@@ -45,7 +45,9 @@ TABLES: Mapping[str, Table] = MappingProxyType(
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Everything that the next steps of a world depend on. It does not change with the world that it was taken from.
+    """The state of a world, as returned by `World.snapshot`: everything that its next steps depend on.
+
+    It does not change with the world, and can be copied and pickled.
 
     Attributes
     ----------
@@ -56,7 +58,7 @@ class Snapshot:
     sleeping : bool
         Whether resting bodies may sleep.
     forces : tuple of Force
-        Users' functions, and the stages compiled from them.
+        Force functions, and the stages compiled from them.
     tables : mapping of str to array
         Rows in use of each table of `kickdrift.world.tables` that no step fills anew, by its name; read-only.
     free_bodies, free_shapes : tuple of int

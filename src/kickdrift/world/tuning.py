@@ -42,10 +42,10 @@ class Tunable:
 
     @property
     def substeps(self) -> int:
-        """Number of parts of a step in which contacts and joints are solved; can be set.
+        """Number of equal parts of a step, in each of which contacts and joints are solved; can be set.
 
-        Contacts get stiffer with more of them. A loaded stack that has sunk in with few substeps is pushed out when the
-        number jumps, so raise it gradually for high stacks.
+        More of them make contacts stiffer. Under a high stack, raise the number gradually: with few substeps its boxes overlap
+        more, and a jump to many pushes them apart.
         """
         return int(self.tables.array(SETTINGS)[0, SUBSTEPS])
 
@@ -61,7 +61,7 @@ class Tunable:
 
     @property
     def sleeping(self) -> bool:
-        """Whether islands at rest are skipped; can be set, and False wakes all."""
+        """Whether islands at rest are skipped; can be set, which wakes all bodies and cloths."""
         return self._sleeping
 
     @sleeping.setter
@@ -74,11 +74,10 @@ class Tunable:
 
     @property
     def residual(self) -> float:
-        """The velocity that the solver left unsolved in the last step, m/s.
+        """The largest normal speed that the solver left at points of contact in the last step, m/s; read-only.
 
-        The largest speed, along the normal, of points that press on each other, including those of islands with joints: zero
-        if every impulse is exact; otherwise the speed at which a loaded stack sinks or jitters. More substeps make it
-        smaller.
+        Zero if every impulse is exact; otherwise the speed at which a loaded stack sinks or jitters. Contacts of bodies with
+        joints are included. More substeps make it smaller.
         """
         return float(self.tables.array(SETTINGS)[0, RESIDUAL])
 

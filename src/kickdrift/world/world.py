@@ -74,10 +74,10 @@ class World(
     ... )
     >>> recording = world.run(duration=2.0, step=1 / 60)
 
-    `add_box` and the like add bodies, `add_hinge` and the like joints, `add_cloth`, `add_rope` and `add_soft_body` deformable
-    bodies, and `add_force` functions. `step` does one step; `run` does many and records them; `record` records a loop of your
-    own, and `view` shows the world in the browser. `ray_cast`, `overlap_box`, `touching` and `events` are queries; `snapshot`,
-    `restore` and `save` keep states.
+    `add_box` and the like add bodies, `add_hinge` and the like joints; `add_cloth`, `add_rope` and `add_soft_body` add
+    deformable bodies, and `add_force` a force of your own. `step` does one step; `run` does many and records them; `record`
+    records a loop of your own, and `view` shows the world in the browser. `ray_cast`, `overlap_box`, `touching`, `contacts` and
+    `events` are queries; `snapshot`, `restore` and `save` store and recall states.
 
     Contacts of free bodies are solved iteratively, by sweeps. Bodies connected by joints, and those in contact with them,
     form islands, each of which is solved directly. So are small heaps on which the sweeps do not converge.
@@ -87,12 +87,12 @@ class World(
     gravity : (3,) array_like
         m/s^2.
     substeps : int
-        Number of parts of a step in which contacts and joints are solved; more of them make contacts stiffer, and resolve
-        faster rotation.
+        Number of equal parts of a step; contacts and joints are solved in each. More of them make contacts stiffer, and
+        resolve faster rotation.
     midpoint : bool
         Whether bodies in free flight move with the mean of their velocities before and after the kick, so that gravity
         conserves energy. Bodies with joints, but without contacts, damping, motors, drives and joint friction, then get half
-        of the kick before the drift and half after it (Stoermer-Verlet). If False, all move with the velocity after the kick
+        of the kick before the drift and half after it (Störmer-Verlet). If False, all move with the velocity after the kick
         (semi-implicit Euler).
     margin, slop : float
         The distance between shapes at which a contact between them is created, and the depth to which they may overlap; m.
@@ -100,21 +100,22 @@ class World(
         Frequency, Hz, and damping ratio of the spring that pushes overlapping bodies apart; by default the frequency is 0.15
         divided by the substep, the stiffest that does not disturb high stacks.
     push_speed : float
-        The largest speed at which two overlapping bodies are pushed apart, m/s. In a stack the speeds add up: of four rows of
-        boxes that overlap by a quarter, the uppermost reaches 7 m/s with 3 m/s, and less than 4 m/s with 1.5 m/s.
+        The largest speed at which two overlapping bodies are pushed apart, m/s; once apart, they keep none of it. In a stack
+        the speeds add up: of four boxes that overlap each other and the floor, the uppermost rises at up to four times this
+        speed.
     bounce_speed : float, optional
         Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity or the forces
         on them add in a substep.
     sleeping : bool
-        Whether islands, of bodies that nearly touch or are joined, are skipped once they are at rest: once none of their
-        points has moved faster than `sleep_speed` for `sleep_time`; and all cloths, once all of them are. Off by default,
-        because it removes their remaining kinetic energy.
+        Whether islands, sets of bodies that nearly touch or are joined, are skipped while at rest: once none of their points
+        has moved faster than `sleep_speed` for `sleep_time`. Cloths sleep together, once all of them are at rest. Off by
+        default, because it removes their remaining kinetic energy.
     sleep_speed, sleep_time : float
         m/s and s, see `sleeping`.
     threads : bool
-        Whether contacts are distributed over Numba's threads (``numba.set_num_threads``), with the same bits for any number of
-        them. Worthwhile from about a thousand bodies on, on otherwise idle cores. Processes forked from one that has used
-        threads run on one thread.
+        Whether contacts are distributed over Numba's threads (``numba.set_num_threads``); results are bit-identical for any
+        number of them. Worthwhile from about a thousand bodies, on otherwise idle cores. Processes forked from one that has
+        used threads run on one thread.
     plane_normal : (3,) array_like, optional
         Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. Walls oblique to
         the plane push bodies within it, with the friction of a wedge in its groove. Surfaces nearly parallel to the plane
@@ -132,7 +133,7 @@ class World(
     gravity, substeps, sleeping
         As above; each may be set between steps.
     residual : float
-        The largest normal speed that the solver left at points that press on each other in the last step, m/s; read-only.
+        The largest normal speed that the solver left at points of contact in the last step, m/s; read-only.
     time : float
         Time since the start, s.
     broken : list of Joint

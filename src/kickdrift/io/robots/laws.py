@@ -21,9 +21,9 @@ class Actuator:
         Name of the joint.
     gear, gain : float
     bias : (3,) tuple of float
-        Zeros for a motor, whose control is its force.
+        Zeros for a motor, whose force is proportional to its control.
     control_range : (2,) tuple of float
-        Least and greatest control; one beyond them counts as the nearest of them, as in MuJoCo.
+        Least and greatest control; values beyond are clamped, as in MuJoCo.
     force_range : (2,) tuple of float
         Least and greatest force, in N or N m at the joint.
     zero : float
@@ -43,7 +43,7 @@ class Actuator:
 
     @property
     def servo(self) -> bool:
-        """Whether it is a spring or damper towards its control; without a gear it does nothing."""
+        """Whether its force depends on the position or speed of its joint, as in position and velocity servos."""
         return self.gear != 0.0 and (self.bias[1] < 0.0 or self.bias[2] < 0.0)
 
     @property
@@ -52,7 +52,7 @@ class Actuator:
         return max(abs(end) for end in self.force_range)
 
     def drive(self, control: float) -> Drive:
-        """Return what the joint does at a control, together with its own spring and damper, for ``Joint.set_drive``.
+        """Return the drive of the joint at a control, including its own spring and damper, for ``Joint.set_drive``.
 
         Raises
         ------

@@ -35,7 +35,7 @@ def newtons_cradle(
     string : float
         Length from the beam to a ball's centre, in m.
     angle : float
-        By which they are raised, in rad: 45 degrees.
+        By which they are raised, in rad; by default 45 degrees.
     gap : float
         Between balls, in m.
     restitution : float

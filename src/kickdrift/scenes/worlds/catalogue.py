@@ -36,15 +36,15 @@ class Scene:
 
 
 SCENES: dict[str, Scene] = {
-    "pyramid": Scene(pyramid, 5.0, 1 / 60, "55 cubes stand on each other"),
+    "pyramid": Scene(pyramid, 5.0, 1 / 60, "55 cubes stand on each other in a pyramid"),
     "pile": Scene(lambda: pile(count=(8, 8, 16), spacing=1.8, turn=6.0), 7.0, 1 / 60, "1024 cubes fall into a heap"),
     "dominoes": Scene(dominoes, 3.0, 1 / 240, "30 dominoes fall over"),
     "bouncing-disk": Scene(bouncing_disk, 8.0, 1 / 100, "a ball bounces, lower each time; in two dimensions, a disk"),
-    "cradle": Scene(lambda: newtons_cradle().world, 6.0, 1 / 240, "balls on strings pass a blow on"),
+    "cradle": Scene(lambda: newtons_cradle().world, 6.0, 1 / 240, "five balls on strings pass on an impact"),
     "ragdolls": Scene(ragdolls, 4.0, 1 / 60, "16 limp humanoids fall onto each other"),
-    "humanoid": Scene(lambda: humanoid().world, 5.0, 1 / 200, "a person stands, held by springs in the joints"),
+    "humanoid": Scene(lambda: humanoid().world, 5.0, 1 / 200, "a person stands, held up by springs in the joints"),
     "chain": Scene(lambda: chain().world, 6.0, 1 / 120, "20 rods swing a ball of 1000 times the mass"),
-    "joint-grid": Scene(joint_grid, 4.0, 1 / 60, "a net of 900 balls connected by joints swings"),
+    "joint-grid": Scene(joint_grid, 4.0, 1 / 60, "900 balls, connected by joints to a net, swing"),
     "robot-arm": Scene(lambda: arm(damping=0.4).world, 3.0, 1 / 200, "an arm of seven hinges bends"),
     "two-link-arm": Scene(lambda: two_link_arm().world, 10.0, 1 / 200, "two rods swing without friction"),
     "quadruped": Scene(lambda: quadruped().world, 3.0, 1 / 200, "a robot stands on four legs"),

@@ -27,11 +27,11 @@ def chain(
     length : float
         Of a rod, in m.
     ratio : float
-        Mass of the ball over that of a rod.
+        Mass of the ball divided by that of a rod.
     angle : float
-        Between the straight chain and the vertical at the start, in rad: horizontal.
+        Between the straight chain and the vertical at the start, in rad; by default horizontal.
     radius : float
-        Of the rods, in m; the ball's makes it as dense.
+        Of the rods, in m; that of the ball follows from the same density.
     """
     world = World()
     along = (math.sin(angle), 0.0, -math.cos(angle))

@@ -33,7 +33,7 @@ def drape(*, vertices: int = 40, size: float = 1.2, radius: float = 0.3) -> Worl
 
 
 def flag(*, vertices: tuple[int, int] = (40, 24), wind: float = 6.0, gustiness: float = 0.0) -> World:
-    """Let a flag flutter at a pole.
+    """Let a flag flutter on a pole.
 
     Parameters
     ----------

@@ -14,8 +14,8 @@ from kickdrift.world.world import World
 def curtain(*, pleats: int = 8, per_pleat: int = 8, rows: int = 22) -> World:
     """Open a pleated curtain, and close it again.
 
-    It hangs by rings on a rod, one a pleat, which springs pull to where they shall be: a force that changes with time moves
-    the ends of the springs.
+    It hangs from a rod by rings, one per pleat, which springs pull into place: a force that changes with time moves the ends
+    of the springs.
 
     Parameters
     ----------
@@ -103,8 +103,8 @@ def tablecloth(*, vertices: tuple[int, int] = (46, 34), acceleration: float = 4.
 def cape(*, vertices: tuple[int, int] = (20, 26), speed: float = 1.4) -> World:
     """Let a person walk with a cape.
 
-    The person is led along a rail; springs in the joints follow angles that swing with the steps, as torques on both sides of
-    a joint move the ends of its spring.
+    The person is led along a rail. The springs in the joints follow angles that swing with the steps: torques on both sides
+    of a joint move the ends of its spring.
 
     Parameters
     ----------

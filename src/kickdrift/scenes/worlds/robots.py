@@ -76,14 +76,14 @@ _TIP = 1.36
 
 
 def arm(*, targets: Sequence[float] = (0.0, 0.6, 0.0, 1.2, 0.0, 0.8, 0.0), damping: float = 0.1) -> Robot:
-    """Bend a robot's arm of seven hinges, which begins upright, by springs and dampers.
+    """Bend a robot arm of seven hinges, which begins upright, by springs and dampers.
 
     Parameters
     ----------
     targets : sequence of float
         Angles at which the springs are at rest, in rad.
     damping : float
-        Of a hinge, over the stiffness of its spring, in s.
+        Of a hinge, divided by the stiffness of its spring, in s.
     """
     world = World()
     axes: dict[str, Vector] = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

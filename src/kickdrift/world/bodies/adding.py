@@ -75,7 +75,7 @@ class AddsBodies:
         angular_velocity : (3,) array_like
             In the world's axes, rad/s.
         density : float, optional
-            kg/m^3; 1000 where neither it nor the mass is given.
+            kg/m^3; 1000 if neither it nor the mass is given.
         mass : float, optional
             kg.
         inertia : (3,) or (3, 3) array_like, optional
@@ -122,7 +122,10 @@ class AddsBodies:
         origin, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
-            raise ArgumentError("velocity of a static body must be zero; use kinematic=True for a body that moves.")
+            raise ArgumentError(
+                f"velocity={velocity!r} and angular_velocity={angular_velocity!r} of a static body must be zero; use"
+                " kinematic=True for a body that moves."
+            )
         if choice("locked_rotation", locked_rotation) and (kind != DYNAMIC or motion[3:].any()):
             raise ArgumentError(
                 "locked_rotation=True is for dynamic bodies without angular_velocity; leave one of them out."

@@ -35,13 +35,14 @@ class Body(Handle):
     index : int
         Its row in `World.position` and the other arrays.
     generation : int
-        Number of bodies that the world had before it; identifies handles of removed bodies.
+        How many bodies were added before it; tells its handle from those of earlier occupants of its row.
 
     Notes
     -----
     Poses and velocities are live views of the rows of `World.position` and the like: writing into them moves the body; copy
     values that are to be kept. Assign the pose of a static body as a whole (``wall.position = ...``), so that collision
-    detection is updated. Every access raises `ArgumentError` once the body is removed, as does assigning an invalid value.
+    detection is updated. Once the body has been removed, access to its state raises `ArgumentError`, as does assigning an
+    invalid value.
 
     Examples
     --------

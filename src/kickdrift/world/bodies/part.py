@@ -21,7 +21,7 @@ class Part:
     Parameters
     ----------
     shape : Shape
-        One of `kickdrift.world.shapes`.
+        Such as `kickdrift.Sphere`, `kickdrift.Box` or `kickdrift.Hull`.
     position : (3,) array_like
         Origin of the shape's frame in the body, m.
     orientation : (4,) array_like
@@ -75,5 +75,7 @@ def surface_of(options: Mapping[str, Any]) -> Surface:
     """
     unknown = set(options) - {field.name for field in fields(Surface)}
     if unknown:
-        raise ArgumentError(f"{sorted(unknown)[0]}= is unknown; see the options of World.add_body.")
+        raise ArgumentError(
+            f"{sorted(unknown)[0]}= is not an option of a body; help(kickdrift.World.add_body) lists them."
+        )
     return Surface(**options)

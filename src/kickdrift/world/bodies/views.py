@@ -24,12 +24,15 @@ class BodyViews:
 
     @property
     def position(self) -> Floats:
-        """Centres of mass, (N, 3), m."""
+        """Centres of mass, (N, 3), m, one row per body; row 0 is the ground.
+
+        This is a live view, as are the other arrays: writing into it moves the bodies. Get it again after adding bodies.
+        """
         return self.tables.array(POSE)[:, layout.POSITION : layout.POSITION + 3]
 
     @property
     def orientation(self) -> Floats:
-        """Quaternions (w, x, y, z), (N, 4)."""
+        """Quaternions (w, x, y, z) that turn the bodies' axes into the world's, (N, 4)."""
         return self.tables.array(POSE)[:, layout.ORIENTATION : layout.ORIENTATION + 4]
 
     @property

@@ -90,7 +90,8 @@ class AddsCloths(AddsDeformables):
         size : (2,) array_like
             Along warp and weft, m: its x and y axes.
         vertices : (2,) array_like of int
-            How many along each, two or more. Vertex ``i * ny + j`` is the i-th along the warp and the j-th along the weft.
+            How many along each, (nx, ny), two or more. Vertex ``i * ny + j`` is the i-th along the warp and the j-th along the
+            weft.
         position : (3,) array_like
             Of its centre, m.
         orientation : (4,) array_like

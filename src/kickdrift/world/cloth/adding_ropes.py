@@ -22,8 +22,8 @@ class AddsRopes(AddsDeformables):
     ) -> Rope:
         """Add a rope through points, free of tension, on layer 0.
 
-        Its vertices are the points; what is between two of them is a segment, a straight capsule. It is straight at rest: one
-        that is curved at first straightens, if it can and has a bending stiffness.
+        Its vertices are the points; between two of them lies a segment, a straight capsule. Its rest shape is straight: a rope
+        that is curved at first straightens if it is free to and has a bending stiffness.
 
         Parameters
         ----------

@@ -33,7 +33,7 @@ class AddsSoftBodies(AddsDeformables):
     ) -> SoftBody:
         """Add a soft body with the shape of a tetrahedral mesh, free of stress, on layer 0.
 
-        It is elastic (stable Neo-Hookean), also where it is stretched to several times its length or turned inside out. Its
+        It is elastic (stable Neo-Hookean), even when stretched to several times its length or turned inside out. Its
         surface collides as a cloth does: its vertices with shapes, its triangles with cloths, ropes and other soft bodies.
 
         Parameters
@@ -97,7 +97,8 @@ class AddsSoftBodies(AddsDeformables):
         size : (3,) array_like
             m.
         cells : (3,) array_like of int
-            How many along each side. Vertex ``(i * (ny + 1) + j) * (nz + 1) + k`` is the i-th, j-th and k-th along them.
+            How many along each side, (nx, ny, nz). Vertex ``(i * (ny + 1) + j) * (nz + 1) + k`` is the i-th, j-th and k-th
+            along them.
         position : (3,) array_like
             Of its centre, m.
         orientation : (4,) array_like

@@ -50,7 +50,10 @@ class Deformable(Handle):
 
     @property
     def index(self) -> int:
-        """Its position among the cloths of the world, from 0; of a removed cloth, the last one."""
+        """Its position among the cloths, ropes and soft bodies of the world, from 0.
+
+        It decreases when an earlier one is removed. Once it has been removed itself, it is the last one.
+        """
         self._index = self._cloths.index_of(self._generation, self._index)
         return self._index
 
@@ -81,14 +84,14 @@ class Deformable(Handle):
     def pin(self, vertices: ArrayLike, body: Body | None = None) -> None:
         """Pin vertices at their present positions, in the world or on a body.
 
-        Without a body they stand still, or move with the velocities that are written into `velocity`.
+        Without a body they stay where they are, or move with the velocities that are written into `velocity`.
 
         Parameters
         ----------
         vertices : array_like of int
             Their indices.
         body : Body, optional
-            The body that carries them, and feels their pull.
+            The body that carries them; their pull acts on it.
 
         Raises
         ------

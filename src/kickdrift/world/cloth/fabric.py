@@ -27,8 +27,8 @@ class Fabric:
     bending_stiffness : float
         Moment per curvature, per metre of width: N m.
     damping : float
-        Retardation time of a Kelvin-Voigt solid, s: forces belong to the strains plus this time times their rates. Where the
-        step is too long for it, it is reduced, and the message of a recording reports that.
+        Retardation time of a Kelvin-Voigt solid, s: forces are those of the strains plus this time multiplied by the strain
+        rates. If the step is too long for it, it is reduced, and the message of a recording reports that.
     linear_damping : float
         Rate at which velocities decay, 1/s.
     friction : float
@@ -36,12 +36,12 @@ class Fabric:
     drag, lift : float
         Coefficients C of the forces on a triangle of area A and unit normal n in a relative wind of speed s and direction d:
         ``C air_density A s^2 / 2`` times ``|n . d| d`` (drag) and ``(n . d) (n - (n . d) d)`` (lift). A plate perpendicular to
-        the wind has a drag of about 1.2.
+        the wind has a drag coefficient of about 1.2.
     air_density : float
         kg/m^3.
     tear_strain : float
         Largest principal strain, averaged over the triangles around a vertex, above which the cloth tears there; zero if it
-        does not tear. A strain of one is twice the length.
+        does not tear. At a strain of 1 the length has doubled.
 
     Raises
     ------

@@ -36,9 +36,9 @@ class Cloth(Deformable):
 
     @property
     def stiffness(self) -> tuple[float, float, float]:
-        """Stiffness against stretching and shear, N/m, and bending, N m, that is in use.
+        """Stiffness in use against stretching, shear, N/m, and bending, N m.
 
-        It is lower than that of the fabric if the step is too long for it; a smaller step or more substeps raise it.
+        It is lower than that of the fabric if the step is too long for that; a smaller step or more substeps raise it.
         """
         return self._cloths.stiffness(self)
 
@@ -64,7 +64,7 @@ class Cloth(Deformable):
         self._cloths.set_numbers(self, "tear_strain", number("tear_strain", tear_strain, "1"))
 
     def cut(self, point: ArrayLike, normal: ArrayLike) -> int:
-        """Cut it by a plane along edges: triangles whose centroids are on different sides are separated.
+        """Cut it along edges near a plane: triangles whose centroids are on different sides are separated.
 
         Vertices on the cut are split. The new ones are appended, with the velocities and pins of their originals and a share of
         their mass; mass and momentum are conserved.
@@ -82,7 +82,7 @@ class Cloth(Deformable):
         Raises
         ------
         ArgumentError
-            For numbers that are not finite, and a direction of length zero.
+            For numbers that are not finite, and a normal of length zero.
 
         Examples
         --------

@@ -24,7 +24,8 @@ def check_numbers(material: Any, units: Mapping[str, str], positive: Collection[
         value = number(name, getattr(material, name), unit, zero=name not in positive)
         if value > _LARGEST or 0.0 < value < _SMALLEST:
             zero = "" if name in positive else "zero or "
-            raise ArgumentError(f"{name}={value!r} must be {zero}from {_SMALLEST:g} to {_LARGEST:g} {unit}.")
+            of_unit = f" {unit}" if unit != "1" else ""
+            raise ArgumentError(f"{name}={value!r} must be {zero}from {_SMALLEST:g} to {_LARGEST:g}{of_unit}.")
         object.__setattr__(material, name, value)
 
 

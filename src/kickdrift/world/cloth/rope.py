@@ -21,7 +21,7 @@ class Rope(Deformable):
     Notes
     -----
     Positions and velocities are live views with one row per vertex: writing into them moves the rope. Pinned vertices move with
-    the velocities that are written for them, or with the body that they are pinned to. Two consecutive ones clamp the rope.
+    the velocities that are written for them, or with the body that they are pinned to. Two consecutive pins clamp the rope.
     """
 
     __slots__ = ()
@@ -33,9 +33,9 @@ class Rope(Deformable):
 
     @property
     def stiffness(self) -> tuple[float, float]:
-        """Stiffness against stretching, N, and bending, N m^2, that is in use.
+        """Stiffness in use against stretching, N, and bending, N m^2.
 
-        It is lower than that of the material if the step is too long for it; a smaller step or more substeps raise it.
+        It is lower than that of the material if the step is too long for that; a smaller step or more substeps raise it.
         """
         stretch, _, bending = self._cloths.stiffness(self)
         return stretch, bending

@@ -24,9 +24,9 @@ class RopeMaterial:
     stretch_stiffness : float
         Tension per strain, E A, N. The rope resists compression, too, and buckles under it.
     bending_stiffness : float
-        Moment per curvature, E I, N m^2. A rope is straight at rest, whatever its shape is at first, and twists freely.
+        Moment per curvature, E I, N m^2. A rope is straight at rest, whatever its initial shape, and twists freely.
     damping : float
-        Retardation time of strain and curvature, s. Where the step is too long for it, it is reduced, and the message of a
+        Retardation time of strain and curvature, s. If the step is too long for it, it is reduced, and the message of a
         recording reports that.
     linear_damping : float
         Rate at which velocities decay, 1/s.

@@ -42,13 +42,13 @@ class SoftBody(Deformable):
 
     @property
     def young_modulus(self) -> float:
-        """Young's modulus that is in use, Pa.
+        """Young's modulus in use, Pa.
 
-        It is lower than what was asked for if the step is too long for it; a smaller step or more substeps raise it.
+        It is lower than that of the material if the step is too long for that; a smaller step or more substeps raise it.
         """
         return self._cloths.stiffness(self)[0]
 
     @property
     def poisson_ratio(self) -> float:
-        """Transverse contraction per axial strain, in a bar under small tension."""
+        """Poisson's ratio: transverse contraction per axial strain, in a bar under small tension."""
         return float(self._cloths.numbers(self, "poisson_ratio")[0])

@@ -34,7 +34,7 @@ class SoftMaterial:
     poisson_ratio : float
         Transverse contraction per axial strain in such a bar, above -1 and below 0.5, at which the volume would be constant.
     damping : float
-        Retardation time of the strains, s. Where the step is too long for it, it is reduced, and the message of a recording
+        Retardation time of the strains, s. If the step is too long for it, it is reduced, and the message of a recording
         reports that.
     linear_damping : float
         Rate at which velocities decay, 1/s.

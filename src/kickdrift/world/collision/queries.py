@@ -49,7 +49,7 @@ class RayHit(NamedTuple):
     body : Body
         The body of the shape.
     distance : float
-        From the origin, m.
+        From the origin of the ray, m.
     point : (3,) array
         m.
     normal : (3,) array

@@ -38,9 +38,10 @@ _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 @compiled(fast=True)
 def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int) -> None:
-    """Mark lanes whose bodies have turned, or slid past each other, since their arms were computed.
+    """Mark lanes whose bodies have turned, slid past each other or approached since their arms were computed.
 
-    Turns about the normal count `twist` times as much as tilts, and slides count `slip` times.
+    Turns about the normal count `twist` times as much as tilts, and slides `slip` times as much as approaches. Arms from before
+    an approach end at two points, and friction would change the angular momentum.
     """
     for lane in range(n):
         nx, ny, nz = vector(own, c.N * W + lane)
@@ -68,7 +69,8 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
         turned_b = bx * bx + by * by + bz * bz + more * twist_b * twist_b
         most, farthest = own[c.MOST_TURN * W + lane], own[c.MOST_SLIDE * W + lane]
         turned = 1.0 if max(turned_a, turned_b) > most * most else 0.0
-        s[MARK * W + lane] = max(turned, 1.0 if slip * slip * slid > farthest * farthest else 0.0)
+        moved = slip * slip * slid + along * along
+        s[MARK * W + lane] = max(turned, 1.0 if moved > farthest * farthest else 0.0)
 
 
 @compiled(fast=True, inline=True)

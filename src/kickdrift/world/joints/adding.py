@@ -70,8 +70,8 @@ def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate[AddsJoints, P], Jo
     @functools.wraps(kind, _NAMES, ())
     def add(self: AddsJoints, *args: P.args, **kwargs: P.kwargs) -> Joint:
         gear = kind(*args, **kwargs)
-        for joint in (gear.joint_a, gear.joint_b):
-            self.joints.row(joint)
+        for name in ("joint_a", "joint_b"):
+            self.joints.row(getattr(gear, name), name)
         return self.joints.add(gear, *gear.bodies())
 
     add.__doc__ = _documentation(kind)
@@ -96,7 +96,8 @@ class AddsJoints:
         body_a, body_b : Body
             None is the ground.
         record : Record
-            The kind of joint: one of `kickdrift.world.joints.catalogue.KINDS`.
+            A kind of joint with its parameters: one of `kickdrift.world.joints.catalogue.KINDS`. `add_hinge` and the like
+            do the same for each kind.
 
         Returns
         -------

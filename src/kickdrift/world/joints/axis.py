@@ -122,7 +122,7 @@ class Drive:
     damping : float
         N m s/rad about an axis, N s/m along one.
     hertz, damping_ratio : float, optional
-        Natural frequency, Hz, and damping over critical damping.
+        Natural frequency, Hz, and damping divided by critical damping.
     target : float
         Position or angle at which the spring force is zero, m or rad.
     speed : float
@@ -137,8 +137,8 @@ class Drive:
 
     Notes
     -----
-    Both are integrated implicitly, so any stiffness and damping is stable. Springs that are slow compared to the substep
-    conserve their energy.
+    Spring and damper are integrated implicitly, so that any stiffness and damping is stable. Springs that are slow compared
+    to the substep conserve their energy.
 
     Examples
     --------
@@ -174,11 +174,11 @@ class Drive:
                 )
             return
         if not (is_number(self.hertz) and 0.0 < self.hertz < math.inf):
-            raise ArgumentError(f"hertz={self.hertz!r} must be positive and finite, in 1/s.")
+            raise ArgumentError(f"hertz={self.hertz!r} must be positive and finite, in Hz.")
         if self.stiffness > 0.0 or self.damping > 0.0:
             raise ArgumentError(
                 f"hertz={self.hertz!r} and stiffness={self.stiffness!r}, damping={self.damping!r} define the stiffness"
-                " of the drive twice; give hertz and damping_ratio, or stiffness and damping."
+                " twice; give hertz and damping_ratio, or stiffness and damping."
             )
 
     def coefficients(self, mass: float) -> tuple[float, float]:
@@ -202,7 +202,7 @@ class Axis:
     motor : Motor, optional
     drive : Drive, optional
     friction : float
-        Dry friction: the largest force or torque with which it holds at rest and brakes in motion, N or N m.
+        The largest force or torque of dry friction, at rest and in motion, N or N m.
 
     Raises
     ------

@@ -15,7 +15,7 @@ from kickdrift.world.joints.record import Placement, Record, frame_along
 
 @dataclass(frozen=True)
 class Ball(Record):
-    """Two bodies share a point, about which they rotate freely.
+    """A ball joint: two bodies share a point, about which they rotate freely.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from kickdrift.world.joints.record import Placement, Record
 
 @dataclass(frozen=True)
 class Distance(Record):
-    """A massless rod between a point of one body and a point of the other.
+    """A distance joint: a massless rod between a point of one body and a point of the other.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from kickdrift.world.joints.record import Placement, Record
 
 @dataclass(frozen=True)
 class Fixed(Record):
-    """Two bodies are rigidly connected.
+    """A fixed joint: two bodies are rigidly connected.
 
     Parameters
     ----------

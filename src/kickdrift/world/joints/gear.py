@@ -16,7 +16,7 @@ from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS
 
 @dataclass(frozen=True)
 class Gear(Record):
-    """One joint moves in proportion to another: meshing wheels, belts, racks and screws.
+    """A gear: one joint moves in proportion to another, as with meshing wheels, belts, racks and screws.
 
     From its current value, the angle or position of joint a changes by ``ratio`` times as much as that of joint b. The
     reaction acts about or along the axes of both joints, on both bodies of each: a movable housing takes its share.
@@ -41,9 +41,9 @@ class Gear(Record):
 
     Notes
     -----
-    The handle's `Joint.effort` is the torque or force on joint a, that on joint b is ``-ratio`` times as great; with a hinge
-    as joint a, the gear breaks with ``breaking_torque``, with a slider with ``breaking_force``. A gear is removed with its
-    joints, whose coupled axes cannot be placed while it exists.
+    The handle's `Joint.effort` is the torque or force on joint a; that on joint b is ``-ratio`` times as great. The gear breaks
+    at ``breaking_torque`` if joint a is a hinge, at ``breaking_force`` if it is a slider. It is removed with its joints; while
+    it exists, the angles and positions of the coupled axes cannot be set.
 
     Examples
     --------

@@ -29,17 +29,17 @@ class Joint(HasLaws):
     index : int
         Its row in the tables of joints.
     generation : int
-        Number of joints that the world had before it; identifies handles of removed joints.
+        How many joints were added before it; tells its handle from those of earlier occupants of its row.
 
     Notes
     -----
-    Angles, positions, speeds, efforts, forces and torques are those of body b relative to body a. If only one of the two is
-    dynamic, they are those of the dynamic one relative to the other, whichever was named first: the ground, a static or a
-    kinematic body is the reference. A hinge's angle is positive counter-clockwise about its axis, a slider's position along it.
+    Angles, positions, speeds, efforts, forces and torques are those of the *measured* body relative to the other one, the
+    reference. The measured body is body b or, if only one of the two is dynamic, the dynamic one, whichever was named first. A
+    hinge's angle is positive counter-clockwise about its axis, a slider's position along it.
 
     Axes 0-2 are linear and 3-5 angular; the default of ``axis`` is the axis of a hinge or a slider, and the line of a
-    distance joint, a rope or a spring. Positions and angles are those at the end of the last step, or those set since. Every
-    access raises `ArgumentError` once the joint is removed.
+    distance joint, a rope or a spring. Positions and angles are those at the end of the last step, or those set since. Once the
+    joint has been removed or has broken, access to its state raises `ArgumentError`.
 
     Examples
     --------
@@ -76,7 +76,7 @@ class Joint(HasLaws):
     def angles(self) -> Floats:
         """Angles about the three axes, rad; those of hinges and universal joints count turns.
 
-        They are not measured, and are zero, where all three axes are open and have neither limits, drive nor friction.
+        They are zero, because they are not measured, if all three axes are open and have neither limits, drive nor friction.
         """
         views = self._current_views()
         return 0.0 + views.numbers[JOINT_POSITION + 3 : JOINT_POSITION + 6] * views.signs[3:]
@@ -114,7 +114,7 @@ class Joint(HasLaws):
 
     @property
     def speed(self) -> float:
-        """Rate of `angle` or `position`, rad/s or m/s; setting it applies to what is attached, see `place`."""
+        """Rate of `angle` or `position`, rad/s or m/s; setting it moves what is attached, as in `place`."""
         views = self._current_views()
         k = views.principal if views.principal >= 0 else self.axis()
         x, y, z = views.axes[k].tolist()
@@ -137,14 +137,14 @@ class Joint(HasLaws):
 
     @property
     def force(self) -> Floats:
-        """Mean force at the joint during the last step on the body that is measured, (3,) in the world's axes, N."""
+        """Mean force of the joint on the measured body during the last step, (3,) in the world's axes, N."""
         views = self._current_views()
         numbers = views.numbers
         return np.asarray(views.side * (numbers[TOTAL : TOTAL + 3] @ numbers[AXES : AXES + 9].reshape(3, 3)))
 
     @property
     def torque(self) -> Floats:
-        """Mean torque on the same body during the last step, about the point where the joint acts, (3,) as `force`, N m."""
+        """Mean torque of the joint on the measured body during the last step, about the anchor, (3,) as `force`, N m."""
         views = self._current_views()
         numbers = views.numbers
         return np.asarray(views.side * (numbers[TOTAL + 3 : TOTAL + 6] @ numbers[AXES + 9 : AXES + 18].reshape(3, 3)))
@@ -160,7 +160,7 @@ class Joint(HasLaws):
         """Apply a torque about an open axis, or a force along it, in the next step, and its reaction to the other body.
 
         A positive effort increases the angle or position. Its direction is that of the axis at the end of the last step.
-        `effort`, which is that of the joint itself, does not include it.
+        It is not included in `effort`, which the joint itself exerts.
 
         Parameters
         ----------
@@ -207,8 +207,8 @@ class Joint(HasLaws):
     def place(self, value: float, axis: int | None = None) -> None:
         """Move a joint to an angle or position, with everything attached to it; the rates of all joints stay the same.
 
-        The body that is measured is rotated or shifted relative to the other one, and everything joined to it moves with it
-        as one rigid body. If a chain of joints leads from it to a static or kinematic body, the other side moves.
+        The measured body is rotated or shifted relative to the other one, and everything joined to it moves with it as one
+        rigid body. If a chain of joints connects it to a static or kinematic body, the other side moves instead.
 
         Parameters
         ----------

@@ -13,7 +13,7 @@ from kickdrift.world.joints.record import Placement, Record, frame_along
 
 @dataclass(frozen=True)
 class Hinge(Record):
-    """Body b rotates about an axis of body a.
+    """A hinge: body b rotates about an axis of body a.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ class HasLaws(Handle):
         return found
 
     def drive(self, axis: int | None = None) -> Drive | None:
-        """Return the drive of an axis, or None, with stiffness and damping even if it was set by its frequency.
+        """Return the drive of an axis, or None, in terms of stiffness and damping even if it was set by its frequency.
 
         Change a part of it with ``joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))``.
         """
@@ -135,7 +135,7 @@ class HasLaws(Handle):
         Parameters
         ----------
         friction : float
-            The largest force or torque with which it holds and brakes, N or N m.
+            The largest force or torque of dry friction, N or N m.
         axis : int, optional
             0-2 linear, 3-5 angular; the one open axis by default.
 

@@ -145,7 +145,7 @@ class Joints:
         """Whether any joints are solved one after the other; call `arrange` first."""
         return bool(self.tables.array(ARTICULATION)[:, j.SEQUENTIAL].any())
 
-    def row(self, joint: Any) -> int:
+    def row(self, joint: Any, argument: str = "joint") -> int:
         """Return the row of an existing joint.
 
         Raises
@@ -157,13 +157,13 @@ class Joints:
             return joint.index
         if not isinstance(joint, Joint):
             raise ArgumentError(
-                f"joint={joint!r} is not a joint; give a handle returned by World.add_hinge or the like."
+                f"{argument}={joint!r} is not a joint; give a handle returned by World.add_hinge or the like."
             )
         if joint.joints is not self or not 0 <= joint.index < self.tables.count(JOINT):
             raise ArgumentError(
-                f"joint={joint!r} is a joint of another world; give one of this world, such as world.joint(name)."
+                f"{argument}={joint!r} is a joint of another world; give one of this world, such as world.joint(name)."
             )
-        raise ArgumentError(f"joint={joint!r} was removed, or has broken; use an existing joint.")
+        raise ArgumentError(f"{argument}={joint!r} was removed, or has broken; use an existing joint.")
 
     def knows(self, index: int, generation: int) -> bool:
         """Whether a row holds the joint of a generation."""

@@ -15,7 +15,7 @@ from kickdrift.world.joints.record import Axes, Placement, Record, frame_of
 
 @dataclass(frozen=True)
 class SixDof(Record):
-    """Three linear and three angular axes, each locked or open, with limits, motor, drive and friction of its own.
+    """A joint with three linear and three angular axes, each locked, or open with limits, motor, drive and friction.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from kickdrift.world.joints.record import Placement, Record, frame_along
 
 @dataclass(frozen=True)
 class Slider(Record):
-    """Body b slides along an axis of body a without relative rotation.
+    """A slider: body b slides along an axis of body a without relative rotation.
 
     Parameters
     ----------

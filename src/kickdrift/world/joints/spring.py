@@ -16,7 +16,7 @@ from kickdrift.world.joints.record import Placement, Record
 class Spring(Record):
     """A spring with a damper between a point of one body and a point of the other.
 
-    Give either frequency and damping ratio, those of the two bodies alone, or stiffness and damping.
+    Give either stiffness and damping, or frequency and damping ratio, which are those of the two bodies on their own.
 
     Parameters
     ----------
@@ -25,14 +25,14 @@ class Spring(Record):
     length : float, optional
         Rest length, m; by default the current distance between the points.
     hertz, damping_ratio : float, optional
-        Natural frequency, Hz, and damping over critical damping.
+        Natural frequency, Hz, and damping divided by critical damping.
     stiffness, damping : float
         N/m and N s/m.
 
     Raises
     ------
     ArgumentError
-        For points that coincide, lengths that are not positive, and a spring without force.
+        For points that coincide, lengths that are not positive, and a spring without stiffness and damping.
 
     Examples
     --------
@@ -59,5 +59,7 @@ class Spring(Record):
         """Return the frame of the joint and the laws of its axes."""
         drive = Drive(self.stiffness, self.damping, self.hertz, self.damping_ratio)
         if self.hertz is None and self.stiffness == self.damping == 0.0:
-            raise ArgumentError("stiffness=0.0 is a spring without force; give hertz or stiffness.")
+            raise ArgumentError(
+                "stiffness=0.0 and damping=0.0 make a spring without force; give stiffness, damping or hertz."
+            )
         return line_placement(self.anchor_a, self.anchor_b, self.length, Axis(drive=drive))

@@ -62,7 +62,8 @@ class KeepsHistory:
             A folder, such as ``"pile.zarr"``, to which the rows are written during the run, instead of memory, as by
             `kickdrift.solve`; with overlaps, joint gaps and residuals.
         contact_points : bool
-            Whether to record the points at which bodies press on each other, too; pages of the recording show them.
+            Whether to record the points at which bodies press on each other, too, which pages of the recording then show; not
+            possible with `save_to`.
 
         Returns
         -------
@@ -92,7 +93,7 @@ class KeepsHistory:
     def record(
         self, save_every: int = 1, *, save_to: str | Path | None = None, contact_points: bool = False
     ) -> AbstractContextManager[Recording]:
-        """Record the steps of a user's loop.
+        """Record the steps of a loop of your own, in a ``with`` block.
 
         Parameters
         ----------
@@ -106,8 +107,8 @@ class KeepsHistory:
         Returns
         -------
         context manager
-            Its target becomes a `Recording`, as `run` returns, once the block has ended, even by an error: its `status`
-            tells how. Its `step` is the largest one. Bodies added during the recording have NaN before that.
+            Its target is a `Recording`, as `run` returns, complete once the block has ended, even by an error: its `status`
+            tells how it ended, and its `step` is the largest of the steps. Rows of bodies added later are NaN until then.
 
         Raises
         ------

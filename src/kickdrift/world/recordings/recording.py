@@ -37,8 +37,7 @@ class Recording(Solution):
     Notes
     -----
     `derived` has "kinetic energy" and "potential energy", J; "overlap", the largest penetration of bodies in contact, and
-    "joint gap", the largest error of a joint's distance, m; and "residual", the velocity left unsolved by the solver, m/s, see
-    `World.residual`.
+    "joint gap", the largest error of the distance that a joint holds, m; and "residual", `World.residual`, m/s.
 
     Examples
     --------
@@ -68,8 +67,8 @@ class Recording(Solution):
         KickdriftError
             Always; it says what to do instead.
         """
-        where = f"the rows in {self.saved_to!r}" if self.saved_to else "recording.t"
-        raise KickdriftError(f"the states of a world are known at its steps alone; interpolate between {where}.")
+        where = f"the rows in {self.saved_to!r}" if self.saved_to else "the rows at recording.t"
+        raise KickdriftError(f"the states of a world are known only at its steps; interpolate between {where}.")
 
     def continue_to(self, t: float) -> Solution:
         """Refuse, since only the world can be continued.
@@ -95,7 +94,7 @@ class Recording(Solution):
         )
 
     def return_to(self, t: float) -> Solution:
-        """Refuse, since the steps of a world do not lead back.
+        """Refuse, since the steps of a world are not reversible.
 
         Raises
         ------
@@ -110,9 +109,9 @@ class Recording(Solution):
         ...     recording.return_to(0.0)
         ... except kd.KickdriftError as error:
         ...     print(error)
-        the steps of a world, with contacts, do not lead back; see earlier rows.
+        the steps of a world, with contacts, do not lead back; earlier states are in its rows.
         """
-        raise KickdriftError("the steps of a world, with contacts, do not lead back; see earlier rows.")
+        raise KickdriftError("the steps of a world, with contacts, do not lead back; earlier states are in its rows.")
 
     def __getattr__(self, name: str) -> Any:
         known = name in self.__dataclass_fields__

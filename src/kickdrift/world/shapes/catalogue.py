@@ -45,9 +45,7 @@ def kind_of(shape: Any) -> Kind:
     """
     kind = KINDS.get(getattr(shape, "kind", None))  # type: ignore[arg-type]
     if kind is None or type(shape) is not kind.shape:
-        raise ArgumentError(
-            f"shape={shape!r} is not a shape; give one of kickdrift.world.shapes, such as Box((1, 1, 1))."
-        )
+        raise ArgumentError(f"shape={shape!r} is not a shape; give one, such as kickdrift.Box((1, 1, 1)).")
     return kind
 
 

@@ -62,7 +62,7 @@ def _ray(numbers: Any, origin: Vector, direction: Vector, limit: float) -> Hit:
 class Hull:
     """The convex hull of some points, with at most 128 corners.
 
-    Its numbers for compiled code are laid out in `kickdrift.world.shapes.polyhedron`. Facets in one plane are one face.
+    Facets in one plane are one face.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class Hull:
 
     @cached_property
     def numbers(self) -> Array:
-        """The data for compiled code."""
+        """The data for compiled code, laid out as in `kickdrift.world.shapes.polyhedron`."""
         return polyhedron_numbers(self.vertices, self.faces)
 
     @property

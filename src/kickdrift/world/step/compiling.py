@@ -20,7 +20,7 @@ def compile_step(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, i
     """Compile the stages of a step and the functions for kinds of shapes and their pairs, unless they are on disk."""
     jobs = missing(_jobs(spelt, kinds, pairs))
     if jobs:
-        with compiling_announced(None, f"{len(jobs)} functions of the step"):
+        with compiling_announced(None, f"{len(jobs)} function{'s' * (len(jobs) != 1)} of the step"):
             compile_together(jobs)
 
 
