@@ -53,6 +53,25 @@ def _text(path):
     path.write_text("not a solution")
 
 
+def test_the_message_evaluates_the_energy_when_it_is_read_and_once():
+    seen = []
+
+    def energy(x, v):
+        seen.append(x)
+        return 0.5 * (v * v + x * x)
+
+    spring = kd.SecondOrder(lambda x: -x, energy=energy)
+    sol = kd.solve(spring, (0.0, 25.0), 1.0, 0.0, step=2.5, compile=False)  # unstable
+    assert set(seen) == {1.0}  # tried at the start
+    other = pickle.loads(pickle.dumps(sol))
+    assert "The energy error is" in sol.message
+    assert sol.x[-1] in seen
+    count = len(seen)
+    assert other.message == sol.message
+    assert other.about == sol.about
+    assert len(seen) == count
+
+
 def _pickle(path):
     path.write_bytes(pickle.dumps({"t": [1]}))
 

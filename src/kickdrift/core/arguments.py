@@ -97,7 +97,7 @@ def all_finite(array: Floats) -> bool:
 
 def choice(argument: str, value: Any) -> bool:
     """Return True or False; ArgumentError for anything else, such as "no", which Python takes for True."""
-    if not isinstance(value, bool | np.bool_):
+    if type(value) is not bool and not isinstance(value, np.bool_):
         raise ArgumentError(f"{argument}={value!r} must be True or False.")
     return bool(value)
 

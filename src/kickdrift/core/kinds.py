@@ -45,6 +45,8 @@ class Kind(Enum):
     CONSTRAINED = "accelerations a(t, x) with constraints g(x) = 0"
     LANGEVIN = "Langevin dynamics: forces, friction and noise"
 
+    __hash__ = object.__hash__  # a member is one object; that of Enum takes ten times as long
+
     @cache
     def includes(self, other: "Kind") -> bool:
         """Whether a problem of the other kind is one of this kind, too."""

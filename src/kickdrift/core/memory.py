@@ -106,7 +106,7 @@ def floats_on_stack(typing_context: Any, size: Any) -> Any:
 
 @compiled(inline=True)
 def arrays(block: int) -> Any:
-    """Return the one-dimensional arrays x, v, params and work that a `state_block` describes."""
+    """Return the one-dimensional arrays x, v, params and work, whose addresses and sizes are the words of a block."""
     return (
         carray(floats_at(word(block, 0)), (word(block, 1),)),
         carray(floats_at(word(block, 2)), (word(block, 3),)),
@@ -142,8 +142,3 @@ def start_of_array(array: NDArray[Any]) -> int:
     if not array.size:
         return 0
     return addressof(c_char.from_buffer(array.data)) if array.flags.writeable else int(array.ctypes.data)
-
-
-def state_block(*members: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Addresses and sizes of the arrays of a state, for `arrays`. The caller keeps the arrays alive."""
-    return np.array([word for member in members for word in (start_of_array(member), member.size)], np.intp)

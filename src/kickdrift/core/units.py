@@ -1,6 +1,5 @@
 """Quantities of astropy and pint, recognised by the package of their type, so that neither is imported."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ def has_unit(value: Any) -> bool:
     if isinstance(value, np.ndarray) and value.dtype == object:
         return has_unit(value.ravel().tolist())
     if isinstance(value, list | tuple):
-        return any(has_unit(member) for member in value)
+        return not _PLAIN.issuperset(map(type, value)) and any(map(has_unit, value))
     known = type(value).__module__.partition(".")[0] in _LIBRARIES
     return known and hasattr(value, "to") and (hasattr(value, "unit") or hasattr(value, "units"))
 
@@ -75,8 +74,3 @@ def spelt(unit: Any) -> str:
     """Return a unit as one word that other libraries can parse, such as ``au/d``."""
     text = f"{unit:~C}" if hasattr(unit, "is_compatible_with") else str(unit)
     return text.replace(" / ", "/").replace(" ", "*") or "1"
-
-
-def any_has_unit(values: Sequence[Any]) -> bool:
-    """Whether one of some values is a quantity."""
-    return any(has_unit(value) for value in values)

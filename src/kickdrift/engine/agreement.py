@@ -27,10 +27,15 @@ def aside(values: Floats) -> Floats:
     return near
 
 
-def compare_once(
+def compared(native: Function) -> bool:
+    """Whether a compiled function was compared in this process."""
+    return native in _COMPARED
+
+
+def compare(
     name: str, native: Function, interpreted: Callable[[], Function], call: Callable[[Function], Floats]
 ) -> None:
-    """Compare a compiled function with the same one interpreted, once in a process.
+    """Compare a compiled function with the same one interpreted.
 
     Parameters
     ----------
@@ -48,8 +53,6 @@ def compare_once(
     ArgumentError
         If the results differ by more than rounding, unless those of two interpreted calls differ, too.
     """
-    if native in _COMPARED:
-        return
     found = wanted = again = np.zeros(0)
     with suppress(Exception), _chance_kept():  # Python raises where compiled code gives an infinity
         found = call(native)

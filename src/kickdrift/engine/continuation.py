@@ -48,7 +48,7 @@ class Continuation:
         grid = self._grid(t)
         if self.task.tables is not None:
             self.task.tables.check(grid)
-        task = replace(self.task, grid=grid)
+        task = self.task._replace(grid=grid)
         if isinstance(grid, Grid) or grid is self.task.grid:
             return carry_out(Journey(task, self.standing))
         journey = Journey(task)  # from the start: the last steps of a run, where they vary, depend on its end
@@ -80,7 +80,7 @@ class Continuation:
             )
         wanted = None if grid.wanted is None else np.append(grid.wanted[(grid.wanted - t) * grid.step < 0.0], t)
         marks = np.array([t]) if wanted is None else np.unique(wanted)[:: 1 if grid.step > 0.0 else -1].copy()
-        return replace(grid, t1=t, marks=marks, wanted=wanted, most=grid.most + standing.step)
+        return grid._replace(t1=t, marks=marks, wanted=wanted, most=grid.most + standing.step)
 
 
 def carry_out(journey: Journey) -> Solution:

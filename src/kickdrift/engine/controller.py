@@ -125,7 +125,7 @@ def control_of(wanted: Any, step: float | None, rtol: float | None, atol: ArrayL
         )
     if isinstance(wanted, str) or (callable(wanted) and not isinstance(wanted, type)):
         return HairerSoderlind(wanted)
-    if not isinstance(wanted, StepControl | None):
+    if wanted is not None and not isinstance(wanted, StepControl):
         raise ArgumentError(
             f"step_control={wanted!r} is not a step control; give a density (a function, 'distance', 'acceleration' or"
             " 'own'), kd.HairerSoderlind(...), kd.HuangLeimkuhler(...), kd.LogarithmicHamiltonian(),"

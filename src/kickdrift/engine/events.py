@@ -46,16 +46,14 @@ def watch_for(
     processing: Callable[[], Processing],
     end: float,
     surfaces: Surfaces | None = None,
-) -> "Watch | None":
-    """Create the `Watch` for events along a run, if there are any.
+) -> "Watch":
+    """Create the `Watch` for events along a run.
 
     Raises
     ------
     ArgumentError
         As `check_path`.
     """
-    if not events:
-        return None
     check_path(events, system)
     return Watch(events, system, processing(), end, surfaces)
 

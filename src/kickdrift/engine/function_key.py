@@ -128,7 +128,7 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
     if not isinstance(python, FunctionType) or function in callers:
         raise CannotTellError
     names, around = names_of(python.__code__), (*callers, function)
-    if not overloaded_elsewhere().isdisjoint((*names.all, *names.globals)):
+    if (overloaded := overloaded_elsewhere()) and not overloaded.isdisjoint((*names.all, *names.globals)):
         raise CannotTellError  # the behaviour of overloaded functions is not determined by their names
     numbers: dict[str, Any] = {}
     constants: dict[str, Any] = {}
@@ -147,7 +147,7 @@ def _taken_apart(function: Any, callers: tuple[Any, ...], free: bool) -> Taken:
         raise CannotTellError  # one of the function's own names equals that of a callee's number
     described = tuple((name, _constant(value, names, around)) for name, value in sorted(constants.items()))
     called = tuple((name, callee.key) for name, callee in sorted(callees.items()))
-    shapes = tuple((name, shape_of(value)) for name, value in sorted(numbers.items()))
+    shapes = tuple((name, shape_of(value)) for name, value in numbers.items())  # in the order of their places
     return Taken((names.digest, options, described, called, shapes), function, numbers, constants, callees)
 
 

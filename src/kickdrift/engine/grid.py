@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +15,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.room import check_kept
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(NamedTuple):
     """Equal steps from t0, and the rows of the solution.
 
     Attributes
@@ -49,12 +48,13 @@ class Grid:
 
     def rows_after(self, step: int) -> NDArray[np.int64]:
         """Return the steps up to `step` after which rows are kept by a run that ends there or later."""
-        steps = self.save_steps[: int(self.save_steps.searchsorted(step, side="right"))]
+        steps = self.save_steps
+        if step < self.n_steps:
+            steps = steps[: int(steps.searchsorted(step, side="right"))]
         return steps if self.every is None or not steps.size or steps[-1] % self.every == 0 else steps[:-1]
 
 
-@dataclass(frozen=True)
-class Course:
+class Course(NamedTuple):
     """A span covered by variable steps, and the rows of the solution.
 
     Attributes
@@ -237,7 +237,7 @@ def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
     if grid.wanted is not None:
         before = (grid.wanted - t1) * grid.step < 0.0
         wanted = np.append(grid.wanted[before], t1)
-    return replace(grid, t1=t1, n_steps=n_steps, save_steps=save_steps, times=times, wanted=wanted)
+    return grid._replace(t1=t1, n_steps=n_steps, save_steps=save_steps, times=times, wanted=wanted)
 
 
 def with_step(grid: Grid, step: float) -> Grid | None:
@@ -247,7 +247,7 @@ def with_step(grid: Grid, step: float) -> Grid | None:
         return None
     if grid.every is not None and not grid.streamed:
         return _every(grid.t0, grid.t1, step, grid.n_steps, grid.every)
-    return replace(grid, step=step)
+    return grid._replace(step=step)
 
 
 def _every(t0: float, t1: float, h: float, n_steps: int, every: int) -> Grid:

@@ -281,7 +281,7 @@ def _adapted(name: str, function: Any, adapter: Adapter) -> Quantity:
     shape = adapter.shape_of(function, role, allowed)
     if len(shape) > 1 or 0 in shape:
         raise ArgumentError(f"{role}, {name_of(function)}, returns an array of shape {shape}; give a number or a list.")
-    alone = replace(adapter, numbers=[])
+    alone = adapter._replace(numbers=[])
     adapted = alone.adapt(function, role, allowed, shape)
     return Quantity(adapted.function, size=int(np.prod(shape)), params=alone.args)
 

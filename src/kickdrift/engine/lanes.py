@@ -127,7 +127,7 @@ class Blocks:
         self._lanes, self._members = lanes, x.shape[0]
         self.saved = 0
         fields, n_blocks = lanes.fields, -(-x.shape[0] // LANES)
-        room = aligned(n_blocks * fields.count * LANES)
+        room, address = aligned(n_blocks * fields.count * LANES)
         self._numbers = room.view(np.float64).reshape(n_blocks, fields.count, LANES)
         places = np.minimum(np.arange(n_blocks * LANES), x.shape[0] - 1)
         at = 0
@@ -138,7 +138,7 @@ class Blocks:
         used = np.minimum(LANES, x.shape[0] - LANES * np.arange(n_blocks))
         self._words = np.zeros((n_blocks, _WORDS), dtype=np.intp)
         self._words[:, 0] = -(-used // _VECTOR) * _VECTOR
-        self._words[:, 1] = room.ctypes.data + 8 * fields.count * LANES * np.arange(n_blocks)
+        self._words[:, 1] = address + 8 * fields.count * LANES * np.arange(n_blocks)
 
     def advance(self, grid: Grid, first: int, last: int, xs: Floats, vs: Floats) -> None:
         """Do the steps from `first` to `last`, and keep rows in arrays of shape (M, T, n)."""

@@ -2,7 +2,10 @@
 
 from collections.abc import Callable
 from functools import cache, lru_cache
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
 
 from kickdrift.core import memory
 from kickdrift.core.calls import address_of
@@ -47,10 +50,50 @@ def functions_of(system: System, program: Program) -> dict[str, Function]:
     return functions
 
 
-def addresses_of(system: System, functions: dict[str, Function], flows: tuple[str, ...]) -> dict[str, int]:
-    """Compile the functions of a native system that the flows call by address, and return their addresses."""
-    called = {name for flow in flows if not _inlined(system, FLOWS[flow]) for name in parts_called(FLOWS[flow])}
-    return {name: address_of(function, layout.FLAT) for name, function in functions.items() if name in called}
+class Bound(NamedTuple):
+    """What letters depend on: the same for runs that differ only by the numbers of a state."""
+
+    program: Program
+    functions: tuple[tuple[str, Function], ...]
+    kick: Function | None  # the system's own
+    n: int
+    n_v: int
+    params: bytes  # if flows depend on them, see `Flow.by_params`
+    compensated: bool
+    packaged: bool
+
+
+def bind(system: System, program: Program, compensated: bool) -> Bound:
+    """Bind a program to the functions of a system.
+
+    A system's own kick does not keep the acceleration, so it is used only where that is not used again.
+    """
+    kick, params = None, b""
+    if system.kick is not None and program.alone:
+        kick = system.kick(compensated)
+    if program.by_params:
+        params = system.params.tobytes()
+    functions = tuple(functions_of(system, program).items())
+    return Bound(program, functions, kick, system.x0.size, system.v0.size, params, compensated, system.packaged)
+
+
+class Letters(NamedTuple):
+    """Compiled letters, those of the primers last, and their addresses; and addresses of functions that they call so."""
+
+    built: tuple[Function, ...]
+    flows: NDArray[np.int64]
+    called: dict[str, int]
+
+
+@lru_cache(maxsize=256)
+def compile_letters(bound: Bound) -> Letters:
+    """Compile the letters of a native system, or load them from disk."""
+    built, names = tuple(build(name, bound) for name in bound.program.names), set[str]()
+    for flow in bound.program.names:
+        if not _inlined(bound, FLOWS[flow]):
+            names |= parts_called(FLOWS[flow])
+    called = {name: address_of(function, layout.FLAT) for name, function in bound.functions if name in names}
+    return Letters(built, np.array([address_of(letter, LETTER) for letter in built]), called)
 
 
 @cache
@@ -60,38 +103,30 @@ def parts_called(known: Flow) -> frozenset[str]:
     return frozenset(part for part in layout.PARTS if f"{part}_at" in names)
 
 
-def _inlined(system: System, known: Flow) -> tuple[str, ...]:
-    """Return the functions of a system that are inlined into a flow, which is then compiled for this system alone.
+def _inlined(bound: Bound, known: Flow) -> tuple[str, ...]:
+    """Return the functions that are inlined into a flow, which is then compiled for this system alone.
 
     With a user's function that takes time; a call by address costs 2 ns, negligible beside the forces of a large state.
     """
-    return known.inlined if system.packaged or system.x0.size <= _SMALL else ()
+    return known.inlined if bound.packaged or bound.n <= _SMALL else ()
 
 
-def build(
-    name: str, system: System, program: Program, functions: dict[str, Function], compensated: bool, scratch: Any
-) -> Function:
-    """Bind the flow `name` to a system and its `functions`: compiled if it is native, otherwise for the interpreter.
-
-    Only the interpreter needs `scratch`. A system's own kick does not keep the acceleration, so it is used only where that is
-    not used again.
-    """
-    n = system.x0.size
-    known = FLOWS[name]
+def build(name: str, bound: Bound, scratch: Any = None) -> Function:
+    """Compile the flow `name`; given a `scratch`, for the interpreter instead."""
+    n, known, functions = bound.n, FLOWS[name], dict(bound.functions)
     constants: dict[str, int] = {}
     if known.constants is not None:
-        constants = known.constants(program.coefficients, n, system.params, "velocity" in functions)
-    if not system.native:
-        bound = _interpreted(known, functions, compensated, constants, scratch)
-        return specialise(_letter, "letter", arrays=lambda state: state, flow=bound)
-    inlined = tuple((role, functions[role]) for role in _inlined(system, known))
-    own = None
-    if known.again and system.kick is not None and not (program.split or known.again in program.flows):
-        own = system.kick(compensated)
+        params = np.frombuffer(bound.params).copy()
+        constants = known.constants(bound.program.coefficients, n, params, "velocity" in functions)
+    if scratch is not None:
+        interpreted = _interpreted(known, functions, bound.compensated, constants, scratch)
+        return specialise(_letter, "letter", arrays=lambda state: state, flow=interpreted)
+    inlined = tuple((role, functions[role]) for role in _inlined(bound, known))
+    own = bound.kick if name in bound.program.alone else None
     # Flows with parts are large: most are compiled only once, for all sizes.
     most = layout.FEW if known.constants else 0 if known.parts else _SMALL
-    sizes = (n, system.v0.size) if n <= most else None
-    return _native(known, name, inlined, own, sizes, compensated, system.packaged, tuple(constants.items()))
+    sizes = (n, bound.n_v) if n <= most else None
+    return _native(known, name, inlined, own, sizes, bound.compensated, bound.packaged, tuple(constants.items()))
 
 
 def shared() -> list[tuple[Function, Any]]:

@@ -1,7 +1,6 @@
 """Selection of a method for a system, and checks that a given one suits it."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,7 @@ DEFAULT = "semi-implicit-euler"
 MERGING = "close-encounters"
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(NamedTuple):
     """A method, with the reason for the choice of ``"auto"``; none if it was named, by its name or an alias."""
 
     method: Method

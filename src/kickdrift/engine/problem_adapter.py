@@ -4,9 +4,9 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from kickdrift.core.compilation import Function, compiled, is_kept, specialise
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.core.naming import specialised_name
 from kickdrift.core.threads import present
-from kickdrift.engine.agreement import LARGEST, aside, compare_once
+from kickdrift.engine.agreement import LARGEST, aside, compare, compared
 from kickdrift.engine.flows.layout import FLAT, call_flat
 from kickdrift.engine.start import Start
 from kickdrift.engine.user_functions import MEANINGS, Layout, argument_names, flatten, interpreted
@@ -27,11 +27,11 @@ from kickdrift.systems.system import Quantity, System
 Floats = NDArray[np.float64]
 
 
+_NOTHING = nullcontext()
 _TAKEN = ("energy", "time", "t", "x", "v")
 
 
-@dataclass(frozen=True)
-class Adapter:
+class Adapter(NamedTuple):
     """An initial state, and methods that adapt functions to it: a `kickdrift.systems.problem.Adapter`."""
 
     t0: float
@@ -39,8 +39,8 @@ class Adapter:
     v0: Floats
     users_args: Floats
     compile_: bool
-    check_bounds: bool = True
-    numbers: list[Floats] = field(default_factory=list)
+    check_bounds: bool
+    numbers: list[Floats]
 
     @property
     def args(self) -> Floats:
@@ -67,7 +67,7 @@ class Adapter:
         if flat.numbers.size:
             self.numbers.append(flat.numbers)
         self._try_once(function, role, flat.function, given, shape)
-        if flat.native and self.x0.size <= LARGEST:
+        if flat.native and self.x0.size <= LARGEST and not compared(flat.function):
             self._compare(function, role, flat.function, given, layout)
         return Adapted(flat.function, frozenset(MEANINGS.get(name, name) for name in given), flat.native)
 
@@ -116,15 +116,12 @@ class Adapter:
                     f"invariants has the name {name!r}, which is already in use; give another, or energy=... ."
                 )
         given = {"energy": energy, **invariants}
-        return {name: self._quantity(name, function) for name, function in given.items() if function is not None}
-
-    def _quantity(self, name: str, function: Function) -> Quantity:
-        """Adapt a conserved quantity."""
-        return self.number(f"the function for {name!r}", function)
+        role = "the function for {!r}".format
+        return {name: self.number(role(name), function) for name, function in given.items() if function is not None}
 
     def number(self, role: str, function: Function) -> Quantity:
         """Adapt a function of the state that returns a number, with numbers of its own in the params."""
-        return replace(self, numbers=[])._number(function, role)
+        return self._replace(numbers=[])._number(function, role)
 
     def _number(self, function: Function, role: str) -> Quantity:
         self.shape_of(function, role, self._quantity_names)
@@ -149,7 +146,7 @@ class Adapter:
                 function(self.t0, aside(self.x0.reshape(-1)), v, self.args.copy(), out)
             return out
 
-        compare_once(f"{role}, {name_of(original)},", native, partial(interpreted, original, names, layout), call)
+        compare(f"{role}, {name_of(original)},", native, partial(interpreted, original, names, layout), call)
 
     def _try_once(
         self, original: Any, role: str, function: Function, names: list[str], shape: tuple[int, ...] | None
@@ -159,9 +156,13 @@ class Adapter:
         size = x.size if shape is None else math.prod(shape)
         out, other = np.zeros(size), np.ones(size) if "out" in names else None
         second = np.zeros(1) if "i" in names else v
-        name, given = f"{role}, {name_of(original)},", [x.copy(), second.copy(), params.copy()]
+        given = x.copy(), second.copy(), params.copy()
+
+        def name() -> str:
+            return f"{role}, {name_of(original)},"
+
         try:
-            with nullcontext() if hasattr(function, "py_func") else _as_compiled():
+            with _NOTHING if hasattr(function, "py_func") else _as_compiled():
                 function(self.t0, *given, out)
                 if other is not None:
                     function(self.t0, *given, other)
@@ -170,23 +171,23 @@ class Adapter:
         except IndexError as error:
             number = "" if self.x0.shape else " x is one number: give x0 as a list, of an ensemble one list per member."
             raise ArgumentError(
-                f"{name} has an index out of bounds at the start, x0 of shape {self.x0.shape} with"
+                f"{name()} has an index out of bounds at the start, x0 of shape {self.x0.shape} with"
                 f" {self.users_args.size} args: IndexError: {str(error).rstrip('.')}.{number} Pass the numbers of params as"
                 " args=(...)."
             ) from error
         except Exception as error:
             wanted = "one number" if shape == () or "i" in names else f"an array of shape {shape or self.x0.shape}"
             raise ArgumentError(
-                f"{name} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
+                f"{name()} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
                 f" {str(error).rstrip('.')}. It must return {wanted}."
             ) from error
         if other is not None and out.tobytes() != other.tobytes() and not np.array_equal(out, other, equal_nan=True):
             raise ArgumentError(
-                f"{name} leaves elements of `out` unchanged, or adds to them; it must overwrite all of them."
+                f"{name()} leaves elements of `out` unchanged, or adds to them; it must overwrite all of them."
             )
         for label, kept, array in zip(("x", "v", "params"), (x, second, params), given, strict=True):
             if kept.tobytes() != array.tobytes():
-                raise ArgumentError(f"{name} modifies {label}; work on a copy.")
+                raise ArgumentError(f"{name()} modifies {label}; work on a copy.")
 
 
 @contextmanager
@@ -237,7 +238,7 @@ def describe(
     if isinstance(problem, System):
         return _started(problem, start, params)
     described = problem if isinstance(problem, Problem) else SecondOrder(problem)
-    return described.system(Adapter(t0, start.x, start.v, params, compile_, check_bounds))
+    return described.system(Adapter(t0, start.x, start.v, params, compile_, check_bounds, []))
 
 
 def _started(system: System, start: Start, params: Floats) -> System:

@@ -136,11 +136,10 @@ def compile_method(
     if frame is not None:
         x0, v0 = frame.enter(system.x0, system.v0)
         inner = replace(system, x0=x0, v0=v0)
-    kernel, before, after = (
-        None if program is None else compile_program(inner, program, grid, compensated, controller)
-        for program in (programs.kernel, programs.preprocessor, programs.postprocessor)
-    )
-    assert kernel is not None
+    kernel, before, after = compile_program(inner, programs.kernel, grid, compensated, controller), None, None
+    if programs.preprocessor is not None and programs.postprocessor is not None:
+        before = compile_program(inner, programs.preprocessor, grid, compensated, controller)
+        after = compile_program(inner, programs.postprocessor, grid, compensated, controller)
     return Processing(system, frame, kernel, before, after)
 
 

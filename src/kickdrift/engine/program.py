@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,7 @@ from kickdrift.methods.record import Word
 from kickdrift.systems.system import System
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Program:
     """A step as arrays.
 
@@ -54,6 +56,22 @@ class Program:
     ticks_of_v: NDArray[np.float64]
     sees_v_clock: NDArray[np.int64]
 
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of all flows, those of the primers last."""
+        return self.flows + self.primers
+
+    @cached_property
+    def alone(self) -> frozenset[str]:
+        """Names of the flows whose acceleration no other letter uses again."""
+        again = {name: FLOWS[name].again for name in self.flows if not self.split}
+        return frozenset(name for name, other in again.items() if other and other not in self.flows)
+
+    @cached_property
+    def by_params(self) -> bool:
+        """Whether sizes and constants of flows depend on the params of the system."""
+        return any(FLOWS[name].by_params for name in self.names)
+
     @property
     def transformed(self) -> bool:
         """Whether letters move the clock themselves, in a time of their own."""
@@ -67,8 +85,7 @@ Control = Callable[[Callable[[Word], Spelled], Word], Spelled]
 """Adds the letters of step control: given a function that spells words, and the word."""
 
 
-@dataclass(frozen=True)
-class Structure:
+class Structure(NamedTuple):
     """Properties of a system on which a program depends: its kind, whether x' differs from v, and the names of its parts."""
 
     kind: Kind

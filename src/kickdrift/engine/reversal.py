@@ -42,7 +42,7 @@ def back_from(task: Task, standing: Standing, t: float) -> Journey:
     processing = compile_method(system, method, grid, task.compensated, turns=not task.events, controller=control)
     state = standing.state.copy()
     xs, vs = processing.seen(np.array([now]), state.x[None].copy(), state.v[None].copy())
-    journey = Journey(replace(task, grid=back, system=replace(system, x0=xs[0], v0=vs[0], exact=None)))
+    journey = Journey(task._replace(grid=back, system=replace(system, x0=xs[0], v0=vs[0], exact=None)))
     turn_back(state.work, back.t1)
     journey.run.go_on(Standing(state, 0, Mark(), journey.run.rows.kept(0, Mark()), 0.0, None))
     return journey

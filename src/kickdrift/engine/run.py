@@ -145,12 +145,12 @@ class Run:
 
     def _do_chunks(self, bar: Bar, started: float, until: int) -> Failure | None:
         """Do the steps, in chunks that Ctrl-C waits for, each of which ends with a checkpoint."""
-        chunk, most = 1, sys.maxsize if self._watch is None else self._watch.most
+        chunk, most, last = 1, sys.maxsize if self._watch is None else self._watch.most, min(until, self._last)
         while (good := self._checkpoint).step < until and not self.rows.ended(good.step):
             if good.step == self._last:
                 return Outcome.STEP_LIMIT, " Give a larger max_steps."
             chunk_started = time.perf_counter()
-            target = self.rows.target(min(good.step + min(chunk, most), until, self._last))
+            target = self.rows.target(min(good.step + min(chunk, most), last))
             reached, mark, failure = self._attempt(target)
             if failure is not None:
                 stopped = self._find_last_good(target)
@@ -161,12 +161,14 @@ class Run:
             stopped = self._look()
             if stopped is not None:
                 return stopped
-            now = time.perf_counter()
-            # Two copies in turns: an interruption while one is written finds the other. The last is the state itself.
-            copy = self._state if self.rows.ended(reached) else self._state.copy(good.state, into=self._spare)
-            self._checkpoint, self._spare = Checkpoint(copy, reached, mark), good.state
-            copied = time.perf_counter()
-            chunk = next_chunk(reached - good.step, now - chunk_started, _LEAST_SHARE * (copied - now))
+            now = copied = time.perf_counter()
+            if self.rows.ended(reached):  # the last checkpoint is the state itself
+                self._checkpoint = Checkpoint(self._state, reached, mark)
+            else:  # two copies in turns: an interruption while one is written finds the other
+                copy = self._state.copy(good.state, into=self._spare)
+                self._checkpoint, self._spare = Checkpoint(copy, reached, mark), good.state
+                copied = time.perf_counter()
+                chunk = next_chunk(reached - good.step, now - chunk_started, _LEAST_SHARE * (copied - now))
             bar.show(self.rows.progress(reached)[0], copied - started)
             self._seconds -= time.perf_counter() - copied  # a widget of a notebook takes 0.1 s to open
         return None
@@ -182,9 +184,9 @@ class Run:
         except Exception as error:
             return step, mark, _raised(error)
         residual = self._state.work[TROUBLE]
-        if residual in NO_STEP:
-            return reached, mark, (Outcome.NO_STEP, NO_STEP[residual])
         if residual != 0.0:
+            if residual in NO_STEP:
+                return reached, mark, (Outcome.NO_STEP, NO_STEP[residual])
             why = (
                 "."
                 if np.isfinite(residual)
@@ -231,18 +233,12 @@ class Run:
 
     def ending(self, outcome: Outcome, cause: str) -> Ending:
         """Return the outcome of the run, and keep the state reached as a row."""
-        good, program, message = self._checkpoint, self._stepper.program, outcome.value
+        good, program, work = self._checkpoint, self._stepper.program, self._state.work
         saved = self.rows.keep_last(good.state, good.step, good.mark, self._stop is not None)
-        if outcome is not Outcome.COMPLETED:
-            t = self.rows.time(good.step) if self._stop is None else self._stop.t
-            message = ended_early(outcome, t, self.rows.steps_of(good.step), cause)
-        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == NO_STEP[FAILED_CONTROL]:
-            equal = outcome is Outcome.NOT_CONVERGED and not isinstance(self.rows.grid, Course)
-            message += f" Try a smaller step{'; where the force jumps, give switches' if equal else ''}."
-        evaluations = good.mark.trials * program.evaluations
-        evaluations += sum(FLOWS[name].evaluations for name in program.primers) + int(self._state.work[EVALUATIONS])
-        work, size = self._state.work, self._state.x.size
-        estimated = estimated_errors(size, work).copy() if self._stepper.estimates else None
+        message = outcome.value if outcome is Outcome.COMPLETED else self._ended_early(outcome, cause)
+        evaluations = good.mark.trials * program.evaluations + int(work[EVALUATIONS])
+        evaluations += sum([FLOWS[name].evaluations for name in program.primers])
+        estimated = estimated_errors(self._state.x.size, work).copy() if self._stepper.estimates else None
         return Ending(
             outcome,
             message,
@@ -255,6 +251,16 @@ class Run:
             self.rows.step_range(self._state),
             good.mark.trials + int(work[TAKEN_BACK]),
         )
+
+    def _ended_early(self, outcome: Outcome, cause: str) -> str:
+        """Tell how the run ended before the end of its span, and what may help."""
+        step = self._checkpoint.step
+        t = self.rows.time(step) if self._stop is None else self._stop.t
+        message = ended_early(outcome, t, self.rows.steps_of(step), cause)
+        if outcome in (Outcome.NOT_FINITE, Outcome.NOT_CONVERGED) or cause == NO_STEP[FAILED_CONTROL]:
+            equal = outcome is Outcome.NOT_CONVERGED and not isinstance(self.rows.grid, Course)
+            message += f" Try a smaller step{'; where the force jumps, give switches' if equal else ''}."
+        return message
 
 
 def ended_early(outcome: Outcome, t: float, steps: str, cause: str = "") -> str:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.deferred import Deferred
 from kickdrift.core.errors import KickdriftError
 from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
@@ -98,6 +100,10 @@ class Solution(Motion, Presented):
     dense: DenseOutput | None = field(default=None, repr=False)
     continuation: Callable[..., Solution] | None = field(default=None, repr=False)
     saved_to: str = ""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what copies and other processes get: values in place of the functions that compute them."""
+        return vars(self) | {name: getattr(self, name) for name in _DEFERRED}
 
     @property
     def success(self) -> bool:
@@ -256,3 +262,8 @@ class Solution(Motion, Presented):
             f"<Solution of {self.about.system} by {self.about.method}: {self.t.size} times from {self.t[0]:g} to"
             f" {self.t[-1]:g}, {self.n_steps} steps of {self.step:g}, {self.status.name.lower()}>"
         )
+
+
+_DEFERRED = ("message", "about", "dense")  # what most runs in a loop are never asked for
+for _name in _DEFERRED:
+    setattr(Solution, _name, Deferred(_name))

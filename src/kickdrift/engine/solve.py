@@ -194,7 +194,7 @@ def solve(
     try:
         grid = steering.lay(t_span, step, t_eval, save_every, start.x.size, save_to is not None, max_steps)
         with compiling_announced(progress):
-            adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds)
+            adapter = Adapter(grid.t0, start.x, start.v, params, compiles, check_bounds, [])
             system = steering.describe(problem, start, adapter)
             if isinstance(grid, Grid):
                 check_between(system, grid)
@@ -206,7 +206,7 @@ def solve(
             tables = tables_of(given, system, chosen.method, controller, wanted)
             if tables is not None:
                 tables.check(grid)
-            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside.names, tables)
+            task = Task(system, chosen, grid, compensated, controller, wanted, progress, entered.inside, tables)
             if checkpoint is not None or save_to is not None:
                 known = identity_of(
                     problem, grid, start, params, chosen.method, compensated, compiles, events, steering

@@ -34,7 +34,7 @@ def start_of(problem: Any, x0: ArrayLike | None, v0: ArrayLike | None) -> Start:
     ArgumentError
         For an invalid problem, or an invalid initial state.
     """
-    if not isinstance(problem, System | Problem) and not callable(problem):
+    if not callable(problem) and not isinstance(problem, System | Problem):
         raise ArgumentError(
             f"problem={problem!r} is neither a function nor a system; give one, such as kd.systems.get('kepler')."
         )

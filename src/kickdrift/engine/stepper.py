@@ -8,13 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.arguments import all_finite
-from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function, load
 from kickdrift.core.heap import keep_freed_memory
-from kickdrift.core.memory import start_of_array, state_block
 from kickdrift.engine import letters, loop
 from kickdrift.engine.controller import Controller
-from kickdrift.engine.flows.layout import FORMED, aligned_copies, lay_out
+from kickdrift.engine.flows.layout import FORMED, lay_out
 from kickdrift.engine.flows.table import FLOWS
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.program import Program
@@ -94,7 +92,7 @@ _COMPILED = Loops(loop.advance, loop.advance_adaptively, loop.change)
 _INTERPRETED = Loops(loop.advance_interpreted, loop.advance_adaptively_interpreted, loop.change_interpreted)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Stepper:
     """Does steps of a program on its own state.
 
@@ -122,9 +120,12 @@ class Stepper:
         self, first: int, last: int, save_steps: NDArray[np.int64], saved: int, xs: Floats, vs: Floats
     ) -> tuple[int, int]:
         """Do the steps from `first` to `last`, keeping rows; see `kickdrift.engine.loop.advance`."""
-        program = self.program
-        word = (program.letters, program.weights, program.offsets)
-        return self._advanced(word, self.step, first, last, save_steps, saved, xs, vs)
+        program, state = self.program, self.state
+        word = self._flows, program.letters, program.weights, program.offsets
+        members = self._members, state.x, state.v, state.work
+        return self._loops.advance(  # type: ignore[no-any-return]
+            *word, self.t0, self.step, first, last, *members, save_steps, saved, xs, vs
+        )
 
     def advance_adaptively(
         self,
@@ -146,24 +147,9 @@ class Stepper:
 
     def prime(self) -> None:
         """Run the primers, which prepare the memory of the flows for the first step."""
-        nothing = np.zeros(self._primers.size)
-        self._advanced((self._primers, nothing, nothing), 0.0, 0, 1, _NEVER, 0, _NO_ROWS, _NO_ROWS)
-
-    def _advanced(
-        self,
-        word: tuple[NDArray[np.int64], Floats, Floats],
-        h: float,
-        first: int,
-        last: int,
-        save_steps: NDArray[np.int64],
-        saved: int,
-        xs: Floats,
-        vs: Floats,
-    ) -> tuple[int, int]:
-        state = (self._members, self.state.x, self.state.v, self.state.work)
-        return self._loops.advance(  # type: ignore[no-any-return]
-            self._flows, *word, self.t0, h, first, last, *state, save_steps, saved, xs, vs
-        )
+        nothing, state = np.zeros(self._primers.size), self.state
+        word, members = (self._flows, self._primers, nothing, nothing), (self._members, state.x, state.v, state.work)
+        self._loops.advance(*word, self.t0, 0.0, 0, 1, *members, _NEVER, 0, _NO_ROWS, _NO_ROWS)
 
     def change(
         self,
@@ -217,7 +203,27 @@ class Stepper:
         return np.arange(len(self.program.flows), len(self._flows))
 
 
+class _Needs(NamedTuple):
+    """Numbers of scratch and of memory of the flows, whether these estimate errors, and the parts of work to be kept."""
+
+    scratch: int
+    memory: int
+    estimates: bool
+    kept: tuple[slice, ...]
+
+
 @lru_cache(maxsize=256)
+def _needs(program: Program, n: int, compensated: bool, params: bytes) -> _Needs:
+    """Return what a program needs for a state of n numbers."""
+    flows, sizes = [FLOWS[name] for name in program.names], (n, program.coefficients, np.frombuffer(params).copy())
+    return _Needs(
+        max(flow.scratch(*sizes) for flow in flows),
+        max(flow.memory(*sizes) for flow in flows),
+        any(flow.estimates for flow in flows),
+        _kept(program.names, n, compensated),
+    )
+
+
 def _kept(names: tuple[str, ...], n: int, compensated: bool) -> tuple[slice, ...]:
     """Return the parts of work that steps of these flows pass to the next step, see `layout`."""
     if not all(FLOWS[name].plain for name in names):
@@ -231,29 +237,27 @@ def compile_program(
     system: System, program: Program, grid: Grid | Course, compensated: bool, controller: Controller | None = None
 ) -> Stepper:
     """Compile a program for a system, or load it from disk; the state is the initial state of the system."""
-    names = program.flows + program.primers
-    functions = letters.functions_of(system, program)
-    addresses = letters.addresses_of(system, functions, names) if system.native else {}
-    x, v, params = aligned_copies(system.x0, system.v0, system.params)
-    sizes = x.size, program.coefficients, system.params
-    scratch = np.zeros(max(FLOWS[name].scratch(*sizes) for name in names))
-    estimates = any(FLOWS[name].estimates for name in names)
-    of_flows = max(FLOWS[name].memory(*sizes) for name in names)
-    memory_size = of_flows + x.size * estimates
-    memory_size += 0 if controller is None else controller.memory_size(x.size, of_flows)
-    work = lay_out(x.size, program.coefficients, memory_size, addresses, scratch)
+    bound = letters.bind(system, program, compensated)
+    native = letters.compile_letters(bound) if system.native else None
+    n, needs = bound.n, _needs(program, bound.n, compensated, bound.params)
+    scratch, size = np.zeros(needs.scratch), needs.memory + n * needs.estimates
+    size += 0 if controller is None else controller.memory_size(n, needs.memory)
+    numbers, called = (
+        (system.x0, system.v0, system.params, program.coefficients),
+        {} if native is None else native.called,
+    )
+    block, members = lay_out(*numbers, size, called, scratch)
+    x, v, _, work = members
     if controller is not None:
-        controller.prepare(work, x.size, estimates, grid.t0, grid.t1, grid.step)
-    built = [letters.build(name, system, program, functions, compensated, scratch) for name in names]
-    state, members = State(x, v, work, scratch, _kept(names, x.size, compensated)), (x, v, params, work)
-    if not system.native:
-        return Stepper(program, grid.t0, grid.step, state, estimates, built, members, _INTERPRETED, ())
-    if x.size > _LARGE:
+        controller.prepare(work, n, needs.estimates, grid.t0, grid.t1, grid.step)
+    made = program, grid.t0, grid.step, State(x, v, work, scratch, needs.kept), needs.estimates
+    if native is None:
+        built = [letters.build(name, bound, scratch) for name in program.names]
+        return Stepper(*made, built, members, _INTERPRETED, ())
+    if n > _LARGE:
         keep_freed_memory()
-    flows, block = np.array([address_of(letter, loop.LETTER) for letter in built]), state_block(*members)
     if controller is None or program.primers:
         load(loop.advance, loop.ADVANCE)
     if controller is not None:
         load(loop.advance_adaptively, loop.ADVANCE_ADAPTIVELY)
-    alive = built, functions, block, members
-    return Stepper(program, grid.t0, grid.step, state, estimates, flows, start_of_array(block), _COMPILED, alive)
+    return Stepper(*made, native.flows, block, _COMPILED, (native, bound, members))

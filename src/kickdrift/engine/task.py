@@ -2,10 +2,11 @@
 
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 from kickdrift.core.errors import FileFormatError
 from kickdrift.core.interruption import InterruptionNoted
@@ -14,7 +15,7 @@ from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.controller import Controller
 from kickdrift.engine.description import Description
 from kickdrift.engine.event_functions import Event
-from kickdrift.engine.events import watch_for
+from kickdrift.engine.events import Watch, watch_for
 from kickdrift.engine.grid import Course, Grid
 from kickdrift.engine.keeping import find, keep
 from kickdrift.engine.method_selection import Choice
@@ -30,10 +31,10 @@ from kickdrift.engine.streaming import StreamedGridRows, StreamedRows
 from kickdrift.engine.table_ranges import Tables
 from kickdrift.engine.zarr_store import ZarrStore
 from kickdrift.systems.system import System
+from kickdrift.systems.units import Units
 
 
-@dataclass(frozen=True, eq=False)
-class Task:
+class Task(NamedTuple):
     """Everything that determines a run.
 
     Attributes
@@ -49,7 +50,7 @@ class Task:
     events : tuple of Event
     progress : bool or None
         Whether a bar is shown; has no effect on the results.
-    units : mapping of str to str
+    units : Units
         Of the numbers, where users gave quantities; which determines nothing either.
     tables : Tables or None
         Those that functions call.
@@ -62,14 +63,13 @@ class Task:
     controller: Controller | None
     events: tuple[Event, ...]
     progress: bool | None
-    units: Mapping[str, str] = field(default_factory=dict)
-    tables: Tables | None = None
+    units: Units
+    tables: Tables | None
 
-    @property
-    def description(self) -> Description:
-        """Description of the run, for display."""
-        about = description_of(self.system, self.chosen, self.compensated, self.controller)
-        return replace(about, units={**about.units, **self.units}) if self.units else about
+    def describe(self) -> Description:
+        """Describe the run, for display."""
+        about, units = description_of(self.system, self.chosen, self.compensated, self.controller), self.units.names
+        return replace(about, units={**about.units, **units}) if units else about
 
 
 def description_of(system: System, chosen: Choice, compensated: bool, controller: Controller | None) -> Description:
@@ -149,12 +149,12 @@ class Journey:
             if found is not None:
                 grid, before, self.said = found
                 if grid.step != task.grid.step:
-                    self.task = replace(task, grid=grid)
+                    self.task = task._replace(grid=grid)
                     self._compile()
         if before is None or before.step == 0:
             self.processing.enter()
-            if isinstance(self.run.rows, StreamedRows):
-                self.run.rows.create()
+            if self.streamed is not None:
+                self.streamed.create()
         else:
             self.run.go_on(before)
 
@@ -163,14 +163,16 @@ class Journey:
         made = partial(compile_method, task.system, task.chosen.method, task.grid, task.compensated)
         self.processing = made(turns=not task.events, controller=task.controller)
         self.between = partial(made, controller=None if task.controller is None else task.controller.between)
-        surfaces = None if task.controller is None else task.controller.surfaces
-        self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1, surfaces)
+        self.watch: Watch | None = None
+        if task.events:
+            surfaces = None if task.controller is None else task.controller.surfaces
+            self.watch = watch_for(task.events, task.system, partial(self.between, turns=False), task.grid.t1, surfaces)
         self.run = Run(self.processing.kernel, self._rows(), self.watch)
 
     def _rows(self) -> Rows:
         kernel, grid = self.processing.kernel, self.task.grid
         if self.store is not None:
-            to_disk = self.store, self.task.description
+            to_disk = self.store, self.task.describe()
             if isinstance(grid, Course):
                 kind = StreamedCourseRows if grid.stride else StreamedCourseTimes
                 return kind(self.processing, grid, *to_disk, self.between)
@@ -181,32 +183,38 @@ class Journey:
             return CourseRows(kernel, grid)
         return GridRows(kernel, grid)
 
+    @property
+    def streamed(self) -> StreamedRows | None:
+        """The rows, if they go to disk."""
+        rows = self.run.rows
+        return rows if self.store is not None and isinstance(rows, StreamedRows) else None
+
     def go(self) -> Ending:
         """Run to the end of the grid, or as far as possible."""
-        started, run, failure = time.perf_counter(), self.run, None
+        started, run, streamed, failure = time.perf_counter(), self.run, self.streamed, None
         with closing(Bar(run.rows.progress(0)[1], self.task.progress)) as bar:
             while failure is None and not run.ended:
                 first, began = run.step, time.perf_counter()
                 due = until = sys.maxsize if self._checkpoints is None else self._checkpoints.until(first, sys.maxsize)
-                if isinstance(run.rows, StreamedRows):
-                    until = min(due, run.rows.full_after(first))
+                if streamed is not None:
+                    until = min(due, streamed.full_after(first))
                 failure = run.go(bar, started, until)
                 if self._checkpoints is not None:
                     self._checkpoints.pace(run.step - first, time.perf_counter() - began)
                 if self._checkpoints is not None or self.store is not None:
                     failure = self._kept(failure, due)
-        if isinstance(run.rows, StreamedRows):
+        if streamed is not None:
             outcome = Outcome.COMPLETED if failure is None else failure[0]
             with InterruptionNoted(passed_on=False):
-                failure = self._written(failure, partial(run.close, run.rows, outcome))
+                failure = self._written(failure, partial(run.close, streamed, outcome))
         return run.ending(*(failure or (Outcome.COMPLETED, "")))
 
     def _kept(self, failure: Failure | None, due: int) -> Failure | None:
         """Store the state of the run, while Ctrl-C is deferred, and return a failure, if there is one."""
         run, checkpoints = self.run, self._checkpoints
         with InterruptionNoted(passed_on=False) as interruption:
-            if isinstance(run.rows, StreamedRows):
-                failure = self._written(failure, partial(run.drain, run.rows))
+            if self.streamed is not None:
+                failure = self._written(failure, partial(run.drain, self.streamed))
             if checkpoints is not None and (run.step == due or run.ended or failure is not None):
                 failure = self._written(failure, lambda: keep(checkpoints, self.task.grid, run.standing()))
         if interruption.noted and not run.ended:

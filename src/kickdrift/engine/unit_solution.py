@@ -36,7 +36,7 @@ class Entered(NamedTuple):
 
     def leave(self, solution: Solution) -> Solution:
         """Attach units to a solution, if there are any."""
-        if self.outside == _NONE:
+        if self.outside is _NONE:
             return solution
         return UnitSolution.of(solution, self.inside, self.outside)
 
@@ -53,7 +53,7 @@ def enter(problem: Any, t_span: Any, x0: Any, v0: Any, step: Any, t_eval: Any) -
         If a quantity has the wrong dimension, or none while others have one.
     """
     own = getattr(problem, "quantity_units", None) if isinstance(problem, System) else None
-    if own is None and not units.any_has_unit((t_span, x0, v0, step, t_eval)):
+    if own is None and not (units.has_unit(t_span) or units.has_unit((x0, v0, step, t_eval))):
         return Entered(t_span, x0, v0, step, t_eval, _NONE, _NONE)
     if isinstance(problem, System) and own is None:
         raise ArgumentError(

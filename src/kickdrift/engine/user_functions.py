@@ -3,11 +3,10 @@
 import inspect
 import math
 import warnings
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from types import CodeType, FunctionType
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numba
 import numpy as np
@@ -103,8 +102,7 @@ _SMALL = (
 MEANINGS = {"q": "x", "y": "x", "p": "v"}
 
 
-@dataclass(frozen=True)
-class Layout:
+class Layout(NamedTuple):
     """The shapes of a state and of a result, and the place of a function's own numbers in the params.
 
     The first `n_args` params are the user's; the function's own numbers are from `first` on.
@@ -115,7 +113,7 @@ class Layout:
     n_args: int
     first: int
 
-    def statement(self, names: list[str], numbers: Mapping[str, Any], number: str = "", **others: str) -> str:
+    def statement(self, names: Sequence[str], numbers: Mapping[str, Any], number: str = "", **others: str) -> str:
         """Return the source of the call of a function with these arguments, and with its numbers from the params.
 
         A number that it returns goes through the function named `number`, if any. Expressions in `others` replace the usual
@@ -191,8 +189,7 @@ def _code(statement: str) -> CodeType:
     return code
 
 
-@dataclass(frozen=True)
-class Flat:
+class Flat(NamedTuple):
     """A function of ``(t, x, v, params, out)`` over one-dimensional arrays.
 
     Attributes
@@ -213,10 +210,8 @@ def flatten(function: Function, names: list[str], layout: Layout, compile_: bool
     """Adapt a function; if compiled, with bounds checks if `checked`."""
     if compile_:
         taken = taken_apart(function)
-        numbers = {name: value for name, value in taken.numbers.items() if name not in names}
         try:
-            native = _compiled(taken, layout.statement(names, numbers), checked, len(layout.result) == 1)
-            return Flat(native, True, in_a_row(numbers))
+            return Flat(_laid_out(taken, tuple(names), layout, checked), True, in_a_row(_own(taken, names)))
         except NOT_COMPILED as error:
             _warn_interpreted(function, error)
     return Flat(interpreted(function, names, layout), False, _NONE)
@@ -226,6 +221,19 @@ def interpreted(function: Function, names: list[str], layout: Layout) -> Functio
     """Adapt a function for the interpreter."""
     python = getattr(function, "py_func", function)
     return _adapted(layout.statement(names, {}, "returned"), function=python, shaped=np.reshape, returned=returned)
+
+
+def _own(taken: Taken, names: Collection[str]) -> Mapping[str, Any]:
+    """Return a function's own numbers, those that are not arguments of these names."""
+    if taken.numbers.keys().isdisjoint(names):
+        return taken.numbers
+    return {name: value for name, value in taken.numbers.items() if name not in names}
+
+
+@lru_cache(maxsize=256)
+def _laid_out(taken: Taken, names: tuple[str, ...], layout: Layout, checked: bool) -> Function:
+    """Compile a function for a layout; for layouts of the same statement it is the same one."""
+    return _compiled(taken, layout.statement(names, _own(taken, names)), checked, len(layout.result) == 1)
 
 
 @lru_cache(maxsize=256)

@@ -245,7 +245,7 @@ def prepare(
             " all members."
         )
     with compiling_announced(progress):
-        adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds)
+        adapter = Adapter(first.t0, start.x, start.v, params, settings.compile, settings.check_bounds, [])
         system = steering.describe(lead.problem_of(0), start, adapter)
         span, defaults = first.t1 - first.t0, steering.defaults
         chosen = choose(settings.method, settings.order, system, first.t0, first.step, span, **defaults)
@@ -282,7 +282,7 @@ def _described(members: Members, settings: Settings, i: int, t0: float) -> Syste
     x0, v0, args = members.start_of(i)
     problem = members.problem_of(i)
     start = start_of(problem, x0, v0)
-    adapter = Adapter(t0, start.x, start.v, parameters(args), settings.compile, settings.check_bounds)
+    adapter = Adapter(t0, start.x, start.v, parameters(args), settings.compile, settings.check_bounds, [])
     return settings.steering.describe(problem, start, adapter)
 
 

@@ -2,8 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +16,7 @@ OF_SHAPE = "of_shape"  # the attribute of a function that is for states of one s
 AT_START = "at_start"  # and of one that is not for all starts: a function of t, x and v that raises at the others
 
 
-@dataclass(frozen=True)
-class Adapted:
+class Adapted(NamedTuple):
     """A user's function as the engine calls it, ``function(t, x, v, params, out)`` over one-dimensional arrays.
 
     Attributes

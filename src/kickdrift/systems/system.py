@@ -16,6 +16,7 @@ from kickdrift.core.kinds import Kind
 
 Floats = NDArray[np.float64]
 Function = Callable[..., Any]
+_NUMBERS = ("x0", "v0", "params")
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,8 +168,8 @@ class System:
         return facts(self.name, rows.items())
 
     def __post_init__(self) -> None:
-        for name in ("x0", "v0", "params"):
-            object.__setattr__(self, name, start(getattr(self, name)))  # compiled code is given their addresses
+        for name in _NUMBERS:
+            object.__setattr__(self, name, reals(getattr(self, name)))  # copies, which nobody else changes
         fitting = self.v0.size == 0 if self.kind is Kind.FIRST_ORDER else self.x0.shape == self.v0.shape
         if not fitting or self.params.ndim != 1:
             raise ArgumentError(
@@ -176,8 +177,8 @@ class System:
                 f" {self.params.shape}; the first two must be equal (v0 empty for first-order equations), and params a"
                 " list."
             )
-        for name in ("x0", "v0", "params"):
-            if self.packaged and not all_finite(numbers := getattr(self, name)):
+        for name in _NUMBERS if self.packaged else ():
+            if not all_finite(numbers := getattr(self, name)):
                 bad = float(numbers[~np.isfinite(numbers)][0])
                 raise ArgumentError(
                     f"{name} of {self.name!r} would contain {bad!r}: an argument is not finite, or so large that numbers made"
@@ -188,9 +189,9 @@ class System:
                 f"parts={sorted(self.parts)!r} of {self.name!r} has no 'remainder', the acceleration that the Kepler"
                 " flow leaves to the kicks; give it, or set the kind to NEWTONIAN."
             )
-        named = {"acceleration": self.acceleration, "velocity": self.velocity, **self.parts}
+        named = {"acceleration": self.acceleration, "velocity": self.velocity, **self.parts} if self.native else {}
         for name, function in named.items():
-            if self.native and function is not None and not hasattr(function, "py_func"):
+            if function is not None and not hasattr(function, "py_func"):
                 raise ArgumentError(
                     f"{name} of {self.name!r} is not compiled, unlike its other functions; leave compile=False out,"
                     " decorate it with numba.njit, or describe the system with Python functions, as with"

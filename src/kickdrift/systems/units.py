@@ -44,7 +44,7 @@ def of_bodies(
     ArgumentError
         Where some have units and others, which need them, have none, or one measures something else.
     """
-    if not units.any_has_unit((masses, x0, v0, G)):
+    if not units.has_unit((masses, x0, v0, G)):
         return (masses, x0, v0, G, softening), None
     for name, value in (("masses", masses), ("x0", x0), ("v0", v0), ("G", G)):
         if not units.has_unit(value):

@@ -88,7 +88,7 @@ CHATTERING, MISSED_SWITCH = -6.0, -7.0
 LOST_TO_ROUNDING = -8.0
 """Residuals that mean that no step size works: in general; and of impacts, see `kickdrift.engine.no_step`."""
 _SCRATCH = -1  # index among the words before work
-_LINE = 8  # numbers in a cache line
+_LINE = _BLOCK = 8  # numbers in a cache line, and in the block that describes the arrays of a run
 _WORDS = (1 + len(PARTS) + _LINE - 1) // _LINE * _LINE  # in front of work: whole cache lines
 
 FEW = 4  # size of a state up to which flows with constants are compiled for each size
@@ -191,37 +191,58 @@ def is_lost(size: float, work: Floats) -> bool:
     return bool(abs(size) < max(_SPACINGS * abs(work[CLOCK]), _TINY * abs(work[FIRST_STEP])))
 
 
-def aligned(size: int) -> NDArray[np.int64]:
-    """Return zero words aligned to a cache line."""
+def aligned(size: int) -> tuple[NDArray[np.int64], int]:
+    """Return zero words that begin at a cache line, and their address: vectors that cross two lines take twice as long."""
     room = np.zeros(size + _LINE - 1, dtype=np.int64)
-    start = -(start_of_array(room) // 8) % _LINE
-    return room[start : start + size]
+    address = start_of_array(room)
+    start = -(address // 8) % _LINE
+    return room[start : start + size], address + 8 * start
 
 
-def aligned_copies(*arrays: Floats) -> list[Floats]:
-    """Return copies of arrays in a row, each aligned to a cache line: vectors that cross two lines take twice as long."""
-    lines = [1 + values.size // _LINE for values in arrays]
-    room, start, copies = aligned(_LINE * sum(lines)).view(np.float64), 0, []
-    for values, count in zip(arrays, lines, strict=True):
-        copy = room[start : start + values.size]
-        copy[:] = values.reshape(-1)
-        copies.append(copy)
-        start += _LINE * count
-    return copies
+def lay_out(
+    x0: Floats,
+    v0: Floats,
+    params: Floats,
+    coefficients: Floats,
+    memory_size: int,
+    addresses: dict[str, int],
+    scratch: Floats,
+) -> tuple[int, tuple[Floats, Floats, Floats, Floats]]:
+    """Create the memory of a run: x, v, params and work, each from a cache line on; and a block that describes them.
 
+    Work has the coefficients and addresses, and zeros elsewhere.
 
-def lay_out(n: int, coefficients: Floats, memory_size: int, addresses: dict[str, int], scratch: Floats) -> Floats:
-    """Create the work of a run, with coefficients and addresses, and zeros elsewhere."""
-    end = coefficients_at(n) + coefficients.size
+    Returns
+    -------
+    block : int
+        Address of the block, see `kickdrift.core.memory.arrays`; the arrays keep it alive.
+    members : tuple of array
+    """
+    n, n_v, n_params = x0.size, v0.size, params.size
+    at_v = _BLOCK + _lines(n)
+    at_params = at_v + _lines(n_v)
+    at_work = at_params + _lines(n_params) + _WORDS
+    end = 4 * n + coefficients.size
     start = (end + _LINE - 1) // _LINE * _LINE
-    room = aligned(_WORDS + start + memory_size + TAIL)
-    words, work = room[:_WORDS], room[_WORDS:].view(np.float64)
-    work[coefficients_at(n) : end] = coefficients
-    work[MEMORY] = start
+    size = start + memory_size + TAIL
+    room, block = aligned(at_work + size)
+    of_x, of_v, of_params, of_work = [block + 8 * at for at in (_BLOCK, at_v, at_params, at_work)]
+    room[:_BLOCK] = of_x, n, of_v, n_v, of_params, n_params, of_work, size
     for name, address in addresses.items():
-        words[_slot(name)] = address
-    words[_SCRATCH] = start_of_array(scratch)
-    return work
+        room[at_work + _slot(name)] = address
+    room[at_work + _SCRATCH] = start_of_array(scratch)
+    numbers = room.view(np.float64)
+    x, v = numbers[_BLOCK : _BLOCK + n], numbers[at_v : at_v + n_v]
+    given, work = numbers[at_params : at_params + n_params], numbers[at_work:]
+    x[:], v[:], given[:] = x0.reshape(-1), v0.reshape(-1), params
+    work[4 * n : end] = coefficients
+    work[MEMORY] = start
+    return block, (x, v, given, work)
+
+
+def _lines(size: int) -> int:
+    """Return the numbers in a vector's cache lines, and at least one more: the next would else begin at its place in a page."""
+    return (1 + size // _LINE) * _LINE
 
 
 def _slot(name: str) -> int:

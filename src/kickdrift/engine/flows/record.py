@@ -48,6 +48,8 @@ class Flow:
     constants : callable or None
         Returns names and values of compile-time constants, from the coefficients, the params and whether x' differs from v;
         the size of a small state is one, too.
+    by_params : bool
+        Whether these depend on the params; otherwise they get none.
     ahead : tuple of (sizes, constants)
         The variants of a flow with constants that `kickdrift compile` compiles: sizes of x and of v, None for any, and the
         constants.
@@ -83,6 +85,7 @@ class Flow:
     memory: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     scratch: Callable[[int, NDArray[np.float64], NDArray[np.float64]], int] = lambda n, coefficients, params: 0
     constants: Callable[[NDArray[np.float64], int, NDArray[np.float64], bool], dict[str, int]] | None = None
+    by_params: bool = False
     ahead: tuple[Ahead, ...] = ()
     primer: str = ""
     small: Function | None = None
