@@ -205,10 +205,10 @@ def slowest_bounce(world: int, h: float, row: int) -> float:
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
     if slowest < 0.0:
-        # Resting bodies gain less than that in a few substeps. Forces count like gravity: bodies pressed by them would bounce
-        # for ever.
+        # Resting bodies gain less in a few substeps. Without forces in it, bodies pressed by them would bounce for ever.
         slowest = 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), _pressing_acceleration(world, row))
-    return max(slowest, _UNSEEN * settings[0, SLOP] / h)
+    unseen: float = _UNSEEN * settings[0, SLOP] / h
+    return max(slowest, unseen)
 
 
 @compiled(inline=True)
