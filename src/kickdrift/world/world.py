@@ -105,7 +105,7 @@ class World(
         speed.
     bounce_speed : float, optional
         Bodies that approach more slowly do not bounce, m/s; by default four times the speed that gravity or the forces
-        on them add in a substep.
+        on them add in a substep. Nor do those that approach by less than 1e-9 of `slop` in a substep.
     sleeping : bool
         Whether islands, sets of bodies that nearly touch or are joined, are skipped while at rest: once none of their points
         has moved faster than `sleep_speed` for `sleep_time`. Cloths sleep together, once all of them are at rest. Off by
