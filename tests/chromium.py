@@ -46,13 +46,13 @@ class Chromium:
         self._process.kill()
         self._process.wait()
 
-    def open(self, url):
+    def open(self, url, width=WIDTH, height=HEIGHT):
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         self.tabs[session] = tab = Tab(self, session, target)
         for domain in ("Page", "Runtime", "Log"):
             tab.call(f"{domain}.enable")
-        tab.call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
+        tab.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         tab.go(url)
         return tab
 

@@ -121,7 +121,7 @@ def test_displacements_at_a_fixed_point_may_outgrow_all_numbers_in_twenty_steps(
 
 def test_friction_takes_from_the_sum():
     found = analysis.lyapunov_exponent(
-        lambda x, v: -x - 0.3 * v, (0.0, 100.0), 1.0, 0.0, step=0.1, method="gauss-4", count=2, compile=False
+        lambda x, v: -x - 0.3 * v, (0.0, 100.0), 1.0, 0.0, step=0.1, method="gauss-4", count=2
     )
     assert found.values.sum() == pytest.approx(-0.3, abs=1e-4)
 
@@ -168,7 +168,7 @@ def test_passages_of_two_oscillators_lie_on_an_ellipse():
         return np.array([-x[0], -2.0 * x[1]])
 
     section = analysis.poincare_section(
-        rates, lambda x: x[0], (0.0, 300.0), [0.0, 1.0], [1.0, 0.5], step=0.05, method="kahan-li-8", compile=False
+        rates, lambda x: x[0], (0.0, 300.0), [0.0, 1.0], [1.0, 0.5], step=0.05, method="kahan-li-8"
     )
     assert section.t == pytest.approx(2 * math.pi * np.arange(1, 48), abs=1e-8)
     assert np.abs(section.x[:, 0]).max() < 1e-10

@@ -72,7 +72,7 @@ def test_exact_rotation_has_the_exact_phase_and_a_known_error_of_the_radius(n):
 def test_charges_turn_clockwise_about_the_field():
     up = kd.ChargedParticle(1.0, lambda x: np.array([0.0, 0.0, 1.0]))
     for method in METHODS:
-        sol = run(up, (0.0, math.pi / 2), [0.0, 0.0, 0.0], [1.0, 0.0, 0.3], 0.001, method)
+        sol = run(up, (0.0, math.pi / 2), [0.0, 0.0, 0.0], [1.0, 0.0, 0.3], 0.001, method, compile=True)
         assert np.allclose(sol.v[-1], [0.0, -1.0, 0.3], atol=1e-6)
         assert np.allclose(sol.x[-1], [1.0, -1.0, 0.3 * math.pi / 2], atol=1e-6)
 
@@ -93,7 +93,7 @@ def test_the_drift_across_electric_and_magnetic_fields():
 @pytest.mark.parametrize("method", METHODS)
 def test_a_magnetic_field_does_no_work(method):
     bottle = kd.ChargedParticle(10.0, lambda x: np.array([-x[0] * x[2], -x[1] * x[2], 1 + x[2] ** 2]))
-    sol = run(bottle, (0.0, 60.0), [0.1, 0.0, 0.0], [0.1, 0.4, 0.3], 0.03, method)
+    sol = run(bottle, (0.0, 60.0), [0.1, 0.0, 0.0], [0.1, 0.4, 0.3], 0.03, method, compile=True)
     assert abs(np.linalg.norm(sol.v, axis=1) / np.linalg.norm(sol.v[0]) - 1).max() < 1e-14
     # The mirrors hold it: it turns where the field is |v|^2 / v_across^2 = 26/17 times as strong, z^2 = 9/17.
     assert abs(sol.x[:, 2]).max() == pytest.approx(math.sqrt(9 / 17), rel=0.05)

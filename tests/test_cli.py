@@ -8,6 +8,7 @@ import subprocess
 import sys
 import warnings
 from dataclasses import replace
+from pathlib import Path
 from time import sleep
 
 import numpy as np
@@ -42,6 +43,13 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Empty files in place of pictures, which take half a second each: for tests that look at something else."""
+    monkeypatch.setattr("matplotlib.figure.Figure.draw_without_rendering", lambda figure: None)
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda figure, path, **options: Path(path).touch())
+
+
 def call(*arguments):
     return CliRunner().invoke(app, [str(argument) for argument in arguments], prog_name="kickdrift")
 
@@ -67,7 +75,7 @@ def test_solar_system_is_kept_reported_drawn_and_compared(folder):
     assert "general relativity" in result.stdout
 
 
-def test_options_choose_span_step_method_bodies_and_folder(folder):
+def test_options_choose_span_step_method_bodies_and_folder(folder, undrawn):
     result = call(
         *("run", "solar-system", "--duration", "2 years", "--step", "6 h", "--method", "leapfrog"),
         *("--bodies", "sun, earth,Jupiter", "--output", folder / "a" / "b", "--save-every", "1461"),
@@ -80,7 +88,7 @@ def test_options_choose_span_step_method_bodies_and_folder(folder):
     assert "The attraction of Mercury, Venus, Moon, Mars, Saturn, Uranus, Neptune, Pluto is neglected" in result.stdout
 
 
-def test_what_cannot_be_compared_is_said(folder):
+def test_what_cannot_be_compared_is_said(folder, undrawn):
     result = call("run", "solar-system", "--bodies", "Earth,Jupiter", "--years", 1)
     assert result.exit_code == cli.DONE
     assert "no comparison with JPL" in result.stderr
@@ -90,7 +98,7 @@ def test_what_cannot_be_compared_is_said(folder):
     assert "JPL's epochs 1, 10, 100 (days after J2000) fall between steps" in result.stderr
 
 
-def test_quiet_writes_files_only(folder):
+def test_quiet_writes_files_only(folder, undrawn):
     result = call("run", "kepler", "--duration", 1, "--quiet")
     assert (result.exit_code, result.output) == (cli.DONE, "")
     assert {path.name for path in (folder / "kickdrift-output").iterdir()} == {"kepler.npz", "kepler.png"}
@@ -150,7 +158,7 @@ def test_an_empty_cache_is_announced(folder, monkeypatch):
     assert call("run", "kepler", "--duration", 1, "--quiet").stderr == ""
 
 
-def test_the_report_says_why_a_method_was_taken(folder):
+def test_the_report_says_why_a_method_was_taken(folder, undrawn):
     assert "chosen because" in call("run", "kepler", "--duration", 1, "--method", "auto").stdout
     assert "chosen because" not in call("run", "kepler", "--duration", 1, "--method", "kick-drift").stdout
 
@@ -162,7 +170,7 @@ def test_every_system_runs_by_name(folder, name):
     assert kd.load(folder / "kickdrift-output" / f"{name}.npz").t[-1] == 1.0
 
 
-def test_own_bodies_run_as_their_file_says_and_options_overrule_it(folder):
+def test_own_bodies_run_as_their_file_says_and_options_overrule_it(folder, undrawn):
     (folder / "two.toml").write_text(help_texts.SAMPLE_TOML)
     result = call("run", "two.toml")
     assert result.exit_code == cli.DONE, result.output
@@ -181,7 +189,7 @@ def test_own_bodies_run_as_their_file_says_and_options_overrule_it(folder):
     assert (kept.n_steps, kept.t[-1], kept.about.method) == (366, 1.0, "kick-drift")
 
 
-def test_a_file_named_like_a_system_is_not_that_system(folder):
+def test_a_file_named_like_a_system_is_not_that_system(folder, undrawn):
     (folder / "solar-system.toml").write_text(help_texts.SAMPLE_TOML)
     result = call("run", "solar-system.toml", "--duration", 1)
     assert result.exit_code == cli.DONE
@@ -212,7 +220,7 @@ def test_compare_shows_four_methods_and_a_picture(folder):
     assert all(cells[-1] == "done" for cells in table.values())
 
 
-def test_compare_shows_how_far_a_method_came(folder):
+def test_compare_shows_how_far_a_method_came(folder, undrawn):
     result = call("compare", "kepler", "--step", 0.01, "--duration", 20)
     assert result.exit_code == cli.DONE, result.output
     assert "not converged at t=6.82" in result.stdout
@@ -411,7 +419,7 @@ def test_an_interruption_outside_the_loop(folder, monkeypatch):
     assert result.stderr.splitlines()[-1] == "kickdrift: interrupted."
 
 
-def test_files_of_the_same_name_are_replaced_and_others_stay(folder):
+def test_files_of_the_same_name_are_replaced_and_others_stay(folder, undrawn):
     (folder / "kickdrift-output").mkdir()
     (folder / "kickdrift-output" / "kepler.npz").write_text("mine")
     (folder / "kickdrift-output" / "notes.txt").write_text("mine")

@@ -1,7 +1,6 @@
 """Cloths that touch themselves and each other: nothing passes through, and nothing is thrown about."""
 
 import copy
-import itertools
 
 import numpy as np
 import pytest
@@ -87,7 +86,10 @@ def test_pairs_that_are_sought_again_around_strays_are_all_that_are_near():
         vertices = pairs[pairs[:, layout.PAIR_KIND] == VERTEX_FACE, layout.PAIR_PARTICLES :][:, :4]
         known, x = set(map(tuple, vertices.tolist())), np.concatenate((below.position, above.position))
         for points, faces in ((range(121), above.triangles + 121), (range(121, 185), below.triangles)):
-            for i, face in itertools.product(points, faces.tolist()):
+            apart = np.linalg.norm(x[points, None] - x[faces].mean(axis=1), axis=2)
+            reach = np.linalg.norm(x[faces] - x[faces].mean(axis=1, keepdims=True), axis=2).max(axis=1)
+            for k, f in np.argwhere(apart < reach + 0.005).tolist():
+                i, face = points[k], faces[f].tolist()
                 if np.linalg.norm(nearest(VERTEX_FACE, *map(tuple, x[[i, *face]]))[1]) < 0.005:
                     near += 1
                     assert (i, *face) in known
@@ -239,9 +241,11 @@ def test_a_crumpled_sheet_that_crosses_itself_a_thousand_times_gains_no_energy()
     sheet.position[:, 2] = 0.01 * x + noise
     before = world.energy().total
     assert crossings(sheet) > 300
-    for _ in range(6):
+    for _ in range(3):
         world.advance(STEP, 3)
-        assert world.energy().total < 1.02 * before  # twice as much, when each crossing shifted a particle for itself
+        assert (
+            world.energy().total < 1.02 * before
+        )  # half as much again, when each crossing shifted a particle for itself
 
 
 def test_a_corner_that_sticks_through_comes_out():

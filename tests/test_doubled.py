@@ -83,7 +83,7 @@ def test_order_6():
 
 
 def largest_energy_errors(method, start=(-3.0, 0.0), parts=4, step=0.01, end=200.0):
-    s = kd.solve(EXAMPLE, (0.0, end), *start, step=step, method=method, compile=False)
+    s = kd.solve(EXAMPLE, (0.0, end), *start, step=step, method=method)
     errors = abs(s.energy / s.energy[0] - 1)
     return [part.max() for part in np.array_split(errors, parts)]
 
@@ -105,10 +105,8 @@ def test_an_explicit_runge_kutta_method_drifts_where_this_does_not():
 
 
 def test_geodesics_around_a_black_hole():
-    s = kd.solve(schwarzschild(), (0.0, 1500.0), [14.0, 0.0], [0.05, 4.0], step=0.5, method=tao(4, 1.0), compile=False)
-    exact = kd.solve(
-        schwarzschild(), (0.0, 1500.0), [14.0, 0.0], [0.05, 4.0], step=1.0, method="gauss-8", compile=False
-    )
+    s = kd.solve(schwarzschild(), (0.0, 750.0), [14.0, 0.0], [0.05, 4.0], step=0.5, method=tao(4, 1.0), compile=False)
+    exact = kd.solve(schwarzschild(), (0.0, 750.0), [14.0, 0.0], [0.05, 4.0], step=1.0, method="gauss-8", compile=False)
     assert np.ptp(s.x[:, 0]) > 5  # a precessing ellipse, not a circle
     assert abs(s.energy - s.energy[0]).max() < 1e-6
     assert abs(s.v[:, 1] - 4.0).max() < 1e-7  # angular momentum, which the binding does not keep

@@ -139,7 +139,7 @@ def test_the_force_evaluations_of_a_run_that_an_event_ends_depend_on_no_chunk(bo
 def test_nor_where_it_ends_between_steps_or_impacts(bounces, monkeypatch):
     """In the next step another event has a zero; a ball bounces there more than once in a step."""
     stop, other = with_attributes(lambda t: t - 0.75, terminal=True), with_attributes(lambda t: t - 0.8)
-    events = [stop, with_attributes(lambda x: x, rate_bound=20.0) if bounces else other]
+    events = [stop, with_attributes(lambda x: x, rate_bound=0.5) if bounces else other]
     options = {"impacts": kd.Impacts(lambda x: x, restitution=0.9)} if bounces else {}
     step, height = (0.05, 0.01) if bounces else (0.25, 1.0)
     counts = []

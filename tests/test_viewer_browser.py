@@ -140,7 +140,7 @@ def test_the_mouse_drags_a_body(browser, floating):
 
 def test_ten_pages_at_once_and_a_reload(browser, floating):
     world, _, page = floating
-    tabs = [browser.open(page.url) for _ in range(10)]
+    tabs = [browser.open(page.url, 250, 175) for _ in range(10)]  # small, as the processor draws them
     for tab in tabs:
         tab.until(lambda tab: PLAYING in tab.text, "the world to run on each page")
     tabs[7].press("Pause")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stages import run_stage
 
 from kickdrift.world import tables as t
 from kickdrift.world.collision.broad_phase import find_pairs
@@ -100,14 +101,14 @@ class Scene:
     def find(self, step=STEP):
         """Run the stage, making room where it asks for it; returns the pairs."""
         status = self[t.STEP_STATUS][0]
-        find_pairs(0.0, step, self.tables.address)
+        run_stage(find_pairs, step, self.tables)
         while status[STATUS] == FULL:
             self.retries += 1
             full = {t.CONTACT, t.MANIFOLD} if status[TABLE] == t.CONTACT.place else {PLACES[int(status[TABLE])]}
             for table in full:
                 self.tables.reserve(table, int(status[ROWS_WANTED]))
             status[:] = 0
-            find_pairs(0.0, step, self.tables.address)
+            run_stage(find_pairs, step, self.tables)
         assert status[STATUS] == 0, status
         return [tuple(map(int, row[:3])) for row in self[t.CONTACT]]
 
@@ -176,7 +177,8 @@ def under(scene, plane, box):
     turn = matrix(scene[t.POSE][body, 3:7])
     normal = turn @ matrix(scene[t.PLACE][plane, 3:7])[:, 2]
     origin = turn @ scene[t.PLACE][plane, :3] + scene[t.POSE][body, :3]
-    return min((np.where(pick, box[:3], box[3:]) - origin) @ normal for pick in np.ndindex(2, 2, 2)) <= 0.0
+    lowest = np.where(normal > 0.0, box[:3], box[3:])
+    return (lowest - origin) @ normal <= 0.0
 
 
 def triangle_boxes(scene, mesh):
@@ -185,31 +187,32 @@ def triangle_boxes(scene, mesh):
     return np.concatenate((points.min(axis=1), points.max(axis=1)), axis=1).tolist()
 
 
-def near(scene, a, b, boxes):
+def near(scene, a, b, boxes, triangles):
     """Parts of a that the box of b overlaps: [0] or [] for a shape without parts."""
     kind = scene[t.SHAPE][a, SHAPE_KIND]
     if kind == PLANE:
         return [0] if under(scene, a, boxes[b]) else []
     if kind == MESH:  # meshes of these scenes stand where they were made
-        return [part for part, box in enumerate(triangle_boxes(scene, a)) if overlap(box, boxes[b])]
+        return [part for part, box in enumerate(triangles[a]) if overlap(box, boxes[b])]
     return [0] if overlap(boxes[a], boxes[b]) else []
 
 
 def expected(scene, boxes, excluded=()):
     """All pairs there must be if the shapes are in these boxes."""
-    shapes, kinds, boxes = scene[t.SHAPE], scene[t.BODY][:, BODY_KIND], boxes.tolist()
-    found = set()
-    for a, b in combinations([row for row in range(len(shapes)) if shapes[row, SHAPE_KIND] >= 0], 2):
-        i, j = shapes[a, BODY_ROW], shapes[b, BODY_ROW]
-        if i == j or DYNAMIC not in (kinds[i], kinds[j]) or {int(i), int(j)} in map(set, excluded):
+    shapes, kinds, boxes = scene[t.SHAPE].tolist(), scene[t.BODY][:, BODY_KIND].tolist(), boxes.tolist()
+    triangles = {row: triangle_boxes(scene, row) for row, shape in enumerate(shapes) if shape[SHAPE_KIND] == MESH}
+    excluded, found = {frozenset(pair) for pair in excluded}, set()
+    for a, b in combinations([row for row in range(len(shapes)) if shapes[row][SHAPE_KIND] >= 0], 2):
+        i, j = shapes[a][BODY_ROW], shapes[b][BODY_ROW]
+        if i == j or DYNAMIC not in (kinds[i], kinds[j]) or frozenset((i, j)) in excluded:
             continue
-        if not (shapes[a, LAYER] & shapes[b, MASK] and shapes[b, LAYER] & shapes[a, MASK]) or (
-            shapes[a, IS_SENSOR] and shapes[b, IS_SENSOR]
+        if not (shapes[a][LAYER] & shapes[b][MASK] and shapes[b][LAYER] & shapes[a][MASK]) or (
+            shapes[a][IS_SENSOR] and shapes[b][IS_SENSOR]
         ):
             continue
-        rank = [(TRIANGLE if shapes[s, SHAPE_KIND] == MESH else shapes[s, SHAPE_KIND], s) for s in (a, b)]
+        rank = [(TRIANGLE if shapes[s][SHAPE_KIND] == MESH else shapes[s][SHAPE_KIND], s) for s in (a, b)]
         first, second = (a, b) if rank[0] < rank[1] else (b, a)
-        found |= {(first, second, part) for part in near(scene, first, second, boxes)}
+        found |= {(first, second, part) for part in near(scene, first, second, boxes, triangles)}
     return found
 
 
@@ -542,7 +545,7 @@ def test_a_body_that_is_nowhere_is_named_and_can_be_brought_back(table, value):
     pairs = scene.find()
     body = int(scene[t.SHAPE][rows[2], 1])
     scene[table][body, 1] = value
-    find_pairs(0.0, STEP, scene.tables.address)
+    run_stage(find_pairs, STEP, scene.tables)
     status = scene[t.STEP_STATUS][0]
     assert (status[STATUS], status[LOST_BODY]) == (NOT_FINITE, body)
     assert len(scene[t.CONTACT]) == len(pairs)
@@ -560,7 +563,7 @@ def test_nothing_is_changed_before_there_is_room():
     status = scene[t.STEP_STATUS][0]
     asked = []
     for _ in range(20):
-        find_pairs(0.0, STEP, scene.tables.address)
+        run_stage(find_pairs, STEP, scene.tables)
         if status[STATUS] == 0:
             break
         assert len(scene[t.CONTACT]) == 0

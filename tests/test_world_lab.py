@@ -1,6 +1,7 @@
 """The lab's quick scenes in kickdrift: each holds, or is named with what is measured instead."""
 
 import importlib.util
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -42,7 +43,8 @@ def test_a_scene_holds(trial):
 @pytest.mark.parametrize("trial", [_marked(trial) for trial in TRIALS if trial.quick])
 def test_a_scene_in_disguise_holds(trial):
     seed = len(trial.name) + 120 * int(trial.duration)  # any number that more scenes do not change
-    result = run(trial, Contestant("kickdrift", partial(Disguised, seed=seed), OURS.step))
+    several = trial.scenes if len(trial.scenes) < 20 else trial.scenes[seed % 3 :: 3]  # all run undisguised
+    result = run(replace(trial, scenes=several), Contestant("kickdrift", partial(Disguised, seed=seed), OURS.step))
     assert result.holds, "; ".join(criterion.said(value) for criterion, value in result.findings)
 
 

@@ -7,6 +7,7 @@ import pytest
 from colliding import count_contacts
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stages import run_stage
 
 from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world import tables as t
@@ -78,12 +79,12 @@ class Scene(SpatialQueries):
 
     def step(self):
         status = self[t.STEP_STATUS][0]
-        find_pairs(0.0, 1 / 60, self.tables.address)
+        run_stage(find_pairs, 1 / 60, self.tables)
         while status[STATUS] == FULL:
             place, wanted = int(status[TABLE]), int(status[ROWS_WANTED])
             status[:] = 0
             self.tables.make_room(place, wanted)
-            find_pairs(0.0, 1 / 60, self.tables.address)
+            run_stage(find_pairs, 1 / 60, self.tables)
 
     def pose(self, shape):
         """Frame of a shape in the world: origin and rotation matrix."""

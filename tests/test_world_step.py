@@ -4,12 +4,11 @@ import re
 
 import numpy as np
 import pytest
+from stages import run_stage
 
 import kickdrift as kd
-from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import contact_solver_simd
-from kickdrift.world.step.loop import STAGE, run
 from kickdrift.world.tables import CONTACT, MANIFOLD, MOTION, POSE
 
 
@@ -79,14 +78,13 @@ def test_stages_do_the_same_uncompiled(name):
     compiled_world, interpreted = stack(), stack()
     for world in (compiled_world, interpreted):
         world.advance(1 / 60, 20)
-    word, length, now = compiled_world.word, np.array([1 / 240]), np.zeros(1)
+    word = compiled_world.word
     for stage in (*word.before, *word.substep, *word.after):
-        address = np.array([address_of(stage, STAGE)])  # the interpreter would have each compiled once more
-        run(address, length, now, -1, -1, 0.0, 1 / 240, 0, 1, 0, compiled_world.tables.address)
+        run_stage(stage, 1 / 240, compiled_world.tables)
         if stage.__name__ == name:
             stage.py_func(0.0, 1 / 240, interpreted.tables.address)
         else:
-            run(address, length, now, -1, -1, 0.0, 1 / 240, 0, 1, 0, interpreted.tables.address)
+            run_stage(stage, 1 / 240, interpreted.tables)
     for table in (POSE, MOTION):
         np.testing.assert_allclose(
             compiled_world.tables.array(table), interpreted.tables.array(table), rtol=1e-13, atol=1e-15

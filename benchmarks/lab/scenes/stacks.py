@@ -32,27 +32,37 @@ class _Box(NamedTuple):
     def high(self) -> Floats:
         return self.centre + self.edges / 2
 
+    @property
+    def top(self) -> float:
+        return float(self.centre[2] + self.edges[2] / 2)
 
-def _forces(boxes: list[_Box]) -> list[tuple[int, int, Floats]]:
-    """Return where vertical forces act: the body above, the one below or `GROUND`, and the place, (2,), m."""
-    forces, tops = [], [float(box.high[2]) for box in boxes]
-    for above, box in enumerate(boxes):
-        at = float(box.low[2])
-        faces = [(GROUND, box.low[:2], box.high[:2])] if at < _SAME else []
-        for below in (number for number, top in enumerate(tops) if abs(top - at) < _SAME):
-            low, high = np.maximum(box.low, boxes[below].low)[:2], np.minimum(box.high, boxes[below].high)[:2]
-            if (high > low).all():
-                faces.append((below, low, high))
-        for below, low, high in faces:
-            inwards = _INWARDS * (high - low)
-            for x, y in product(*zip(low + inwards, high - inwards, strict=True)):
-                forces.append((above, below, np.array([x, y])))
+
+def _forces_on(above: int, boxes: list[_Box]) -> list[tuple[int, int, Floats]]:
+    """Return where vertical forces act on a box: its number, that of the one below or `GROUND`, and the place, (2,), m."""
+    box, forces = boxes[above], []
+    at = float(box.low[2])
+    faces = [(GROUND, box.low[:2], box.high[:2])] if at < _SAME else []
+    for below in (number for number, other in enumerate(boxes) if abs(other.top - at) < _SAME):
+        low, high = np.maximum(box.low, boxes[below].low)[:2], np.minimum(box.high, boxes[below].high)[:2]
+        if (high > low).all():
+            faces.append((below, low, high))
+    for below, low, high in faces:
+        inwards = _INWARDS * (high - low)
+        for x, y in product(*zip(low + inwards, high - inwards, strict=True)):
+            forces.append((above, below, np.array([x, y])))
     return forces
+
+
+def _is_carried(boxes: list[_Box]) -> bool:
+    """Return whether forces act on both sides of the centre of the last box, without which it cannot stand."""
+    places = [place for *_, place in _forces_on(len(boxes) - 1, boxes)]
+    centre = boxes[-1].centre[:2]
+    return bool(places) and bool(((np.min(places, axis=0) < centre) & (centre < np.max(places, axis=0))).all())
 
 
 def stands(boxes: list[_Box]) -> bool:
     """Return whether forces that push, and lie well inside of the faces, balance the weight of each box."""
-    forces = _forces(boxes)
+    forces = [force for above in range(len(boxes)) for force in _forces_on(above, boxes)]
     balance, weights = np.zeros((len(boxes), 3, len(forces))), np.zeros((len(boxes), 3))
     weights[:, 0] = [GRAVITY * box.mass for box in boxes]
     for column, (above, below, place) in enumerate(forces):
@@ -70,11 +80,12 @@ def draw(random: np.random.Generator, count: int, spread: float) -> list[_Box]:
         edges, mass = random.uniform(0.3, 1.2, 3) * (1.0, 1.0, 0.6), 10.0 ** random.uniform(-spread, spread)
         at, halves = random.uniform(-0.8, 0.8, 2), [(box.edges + edges)[:2] / 2 for box in boxes]
         beside = [np.abs(box.centre[:2] - at) - half for box, half in zip(boxes, halves, strict=True)]
-        top = max((box.high[2] for box, gap in zip(boxes, beside, strict=True) if (gap < 0.0).all()), default=0.0)
-        near = [box.high[2] for box, gap in zip(boxes, beside, strict=True) if (gap < _APART).all()]
+        top = max((box.top for box, gap in zip(boxes, beside, strict=True) if (gap < 0.0).all()), default=0.0)
+        near = [box.top for box, gap in zip(boxes, beside, strict=True) if (gap < _APART).all()]
         if all(high == top or high < top - _APART for high in near):
             new = _Box(np.append(at, top + edges[2] / 2), edges, mass)
-            boxes += [new] if stands([*boxes, new]) else []
+            more = [*boxes, new]
+            boxes = more if _is_carried(more) and stands(more) else boxes
     return boxes
 
 

@@ -17,7 +17,7 @@ from numba.core.caching import CompileResultCacheImpl
 from kickdrift.core.cache import Cache, machine, written
 from kickdrift.core.naming import digest
 
-_MOST_FILES = 1000  # of 20 to 200 kB each
+_MOST_FILES = 5000  # of 14 kB on average
 _DAY = 86400.0
 
 
@@ -58,9 +58,11 @@ class UsersCache(Cache):
 
     def _make_room(self, file: Path) -> None:
         """Remove the least recently used files."""
-        files = sorted(file.parent.glob("*.nbc"), key=lambda other: other.stat().st_mtime)
-        for unused in files[: max(0, len(files) - _MOST_FILES)]:
-            unused.unlink()
+        excess = len(os.listdir(file.parent)) - _MOST_FILES  # names of a thousand files take 0.6 ms, their times 9
+        if excess > 0:
+            files = sorted(file.parent.glob("*.nbc"), key=lambda other: other.stat().st_mtime)
+            for unused in files[:excess]:
+                unused.unlink()
 
 
 def _beside() -> None:
