@@ -33,7 +33,7 @@ def escape(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[s
     for number, line in enumerate(lines):
         if not line.lstrip().startswith((">>>", "...")):
             parts = re.split(r"(`+[^`]*`+)", line)
-            parts[::2] = [re.sub(r"(?=\||\*shape\))", r"\\", part) for part in parts[::2]]
+            parts[::2] = [re.sub(r"(?=\||(?<=, )\*shape)", r"\\", part) for part in parts[::2]]
             lines[number] = re.sub(r"^( *)(?=[A-Za-z]\.(?: |$))", r"\1\\", "".join(parts))
 
 

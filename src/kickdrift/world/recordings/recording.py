@@ -60,7 +60,7 @@ class Recording(Solution):
     presenters: ClassVar[WorldPresenters]
 
     def __call__(self, t: ArrayLike) -> NoReturn:
-        """Refuse, since the states of a world are known at its steps alone.
+        """Refuse, since the states of a world are known only at its steps.
 
         Raises
         ------
