@@ -137,6 +137,32 @@ def test_a_rope_round_a_cylinder_holds_as_a_capstan(friction, around, substeps):
     assert pulled / loaded == pytest.approx(np.exp(friction * np.pi), rel=0.03)
 
 
+def test_a_rope_drives_a_pulley_as_in_atwoods_machine():
+    world, radius, around, masses = kd.World(), 0.104, 48, (1.0, 1.5)
+    pulley = world.add_cylinder(0.1, 0.06, mass=1.0, friction=0.6, orientation=ALONG_Y)
+    world.add_hinge(world.ground, pulley, anchor=(0, 0, 0), axis=(0, 1, 0))
+    step = 2 * np.pi * radius / around
+    arc = np.linspace(np.pi, 0.0, around // 2 + 1)
+    points = [(-radius, 0.0, -step * k) for k in range(110, 0, -1)]
+    points += [(radius * np.cos(t), 0.0, radius * np.sin(t)) for t in arc]
+    points += [(radius, 0.0, -step * k) for k in range(1, 111)]
+    rope = world.add_rope(points, radius=0.004, density=0.02, stretch_stiffness=2000.0, friction=0.6, damping=5e-3)
+    loads = []
+    for vertex, mass in zip((0, len(points) - 1), masses, strict=True):
+        loads.append(world.add_sphere(0.03, position=points[vertex], mass=mass, collides_with=()))
+        rope.pin([vertex], loads[-1])
+    heights, speeds = [], []
+    for _ in range(144):
+        world.advance(1 / 240, 1)
+        heights.append((loads[0].position[2] - loads[1].position[2]) / 2)
+        speeds.append(radius * pulley.angular_velocity[1])
+    t = np.arange(36, 144) / 240  # without the first oscillations of the rope
+    moved = sum(masses) + rope.mass.sum() + 0.5 * 1.0 * 0.1**2 / radius**2
+    exact = (masses[1] - masses[0]) * 9.81 / moved
+    assert 2 * np.polyfit(t, heights[36:], 2)[0] == pytest.approx(exact, rel=0.03)
+    assert np.polyfit(t, speeds[36:], 1)[0] == pytest.approx(exact, rel=0.06)
+
+
 @pytest.mark.parametrize("shape", ["capsule", "cylinder", "box", "sphere", "hull", "mesh"])
 def test_thin_things_do_not_pass_between_vertices(shape):
     """A rope of ten times the spacing falls onto something of a tenth of it, in the middle between two vertices."""

@@ -11,6 +11,7 @@ from kickdrift.world.cloth.held_corners import corner_velocity, is_held, push_ho
 from kickdrift.world.cloth.layout import (
     CLOTH_NORMAL,
     CLOTH_OFFSET,
+    CLOTH_RADIUS,
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     FIRST_CONTACT,
@@ -34,6 +35,7 @@ from kickdrift.world.tables import (
     CLOTH,
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
+    CLOTH_NUMBERS,
     CLOTH_SEARCH,
     MOTION,
     PARTICLE,
@@ -69,7 +71,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
             _resolve(world, row, part, left)
         row = _after(contact, row)
     if shared:
-        _iterate(world, first, last, part, left)
+        _iterate(world, cloth, part, left)
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
@@ -84,9 +86,11 @@ def _after(contact: Any, row: int) -> int:
 
 
 @compiled
-def _iterate(world: int, first: int, last: int, part: float, left: float) -> None:
-    """Iterate the impulses of contacts that share particles until they change little, and apply the torques of triangles."""
+def _iterate(world: int, cloth: int, part: float, left: float) -> None:
+    """Iterate the impulses of contacts that share particles until they change little, and apply torques against tilting."""
     contact, h = integers(world, CLOTH_CONTACT), part * floats(world, CLOTH_SEARCH)[0, SHARED_PARTS]
+    first, last = integers(world, CLOTH)[cloth, FIRST_CONTACT], integers(world, CLOTH)[cloth, LAST_CONTACT]
+    radius = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for _ in range(_SWEEPS):
         row, change = first, 0.0
         while row < last:
@@ -98,7 +102,7 @@ def _iterate(world: int, first: int, last: int, part: float, left: float) -> Non
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
-            resist_tilting(world, row, h, left)
+            resist_tilting(world, row, radius, h, left)
         row = _after(contact, row)
 
 

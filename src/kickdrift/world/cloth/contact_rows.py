@@ -22,6 +22,7 @@ from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_NORMAL,
     CLOTH_OFFSET,
+    CONTACT_AXIS,
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     CONTACT_RADIUS,
@@ -37,8 +38,8 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
-from kickdrift.world.collision.dispatch import is_round
-from kickdrift.world.collision.shape_poses import pose_on_body
+from kickdrift.world.collision.dispatch import core_of
+from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -55,6 +56,7 @@ from kickdrift.world.layout import (
     VELOCITY,
 )
 from kickdrift.world.settings import SLEEP_SPEED
+from kickdrift.world.shapes.record import AXIS, NO_CORE
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
@@ -145,8 +147,10 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     if not moves:
         runs = plus(runs, velocity_at(world, shape, point, h))
     numbers[row, CONTACT_FRICTION] = friction
-    numbers[row, CONTACT_RADIUS] = flat(world, GEOMETRY)[shapes[shape, BEGIN]] if is_round(world, shape) else 0.0
+    core, axis = core_of(world, shape), turned(placed_pose(world, shape)[1], (0.0, 0.0, 1.0))
+    numbers[row, CONTACT_RADIUS] = 0.0 if core == NO_CORE else flat(world, GEOMETRY)[shapes[shape, BEGIN]]
     for k in range(3):
+        numbers[row, CONTACT_AXIS + k] = axis[k] if core == AXIS else 0.0
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
     numbers[row, CLOTH_OFFSET] = 0.0

@@ -1,29 +1,35 @@
 """The tilting of triangles and segments on round shapes, which is too fast for the substep, and is treated implicitly.
 
 A triangle on which a round shape presses with a force N touches it at a point. If it tilts by an angle a, the point moves
-by R a, where R is the radius of the shape, so that the force turns the triangle back: a stiffness N R. The points of contacts
-are found once a substep, too seldom for this pendulum: a sheet of 0.4 kg/m^2 under a ball of 5 kg trembled with 8 m/s. As in
-the linearly implicit Euler method, the force at the end of a step is taken: a torque -h N R da/dt. It also brakes triangles
-that turn with the contact around the shape, as those of a belt. Segments of ropes tilt alike: without the torque one that slid
-around a cylinder trembled with 0.5 m/s, and friction held a third of what it should.
+by R a, where R is the radius of the shape and half of the thickness together, so that the force turns the triangle back: a
+stiffness N R. The points of contacts are found once a substep, too seldom for this pendulum: a sheet of 0.4 kg/m^2 under a
+ball of 5 kg trembled with 8 m/s, and a rope around a cylinder, whose segments tilt alike, with 0.5 m/s; friction held a third
+of what it should. As in the linearly implicit Euler method, the force at the end of a step is taken: a torque
+-h N (R da/dt + u), where u is the speed at which the triangle slides past the centre of the shape. A belt, whose triangles
+turn around the shape as they slide, gets none.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import cross, dot, length, minus, plus, times
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.contact_rows import add_shares
 from kickdrift.world.cloth.held_corners import corner_velocity, holder_response, push_holders
 from kickdrift.world.cloth.layout import (
     CLOTH_NORMAL,
+    CONTACT_AXIS,
     CONTACT_IMPULSE,
     CONTACT_RADIUS,
     OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
+    SHARES,
     THIRD_PARTICLE,
+    TOUCHED_BODY,
+    TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, PARTICLE, floats, integers
+from kickdrift.world.layout import ANGULAR_VELOCITY, VELOCITY
+from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, MOTION, PARTICLE, floats, integers
 
 # Factor of the stiffness: adjacent triangles tilt together. Of 28 balls, capsules and cylinders on random sheets, two leave it
 # trembling with more than 0.1 m/s with 2.0, none with 4.0 or 8.0.
@@ -31,18 +37,19 @@ _STIFFER = 4.0
 
 
 @compiled
-def resist_tilting(world: int, row: int, h: float, left: float) -> None:
+def resist_tilting(world: int, row: int, radius: float, h: float, left: float) -> None:
     """Apply the torque of a contact for the substep h, s, after its impulse is known; those of particles alone have none.
 
-    Bodies move with their changes of velocity for the time `left` in the substep, s.
+    The cloth has the given radius, m. Bodies move with their changes of velocity for the time `left` in the substep, s.
 
     In the plane of the triangle, or along the segment, with the gradients g of the barycentric coordinates, the rate of
     tilting is w = sum g (n . v), and a torque T, impulses g . T of the corners, changes it by A T with A = sum g g / m. So T
-    is -c (1 + c A)^-1 w, where c is h R times the impulse of the part.
+    is -c (1 + c A)^-1 (w + u / R), where c is h R times the impulse of the part.
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     particle = floats(world, PARTICLE)
-    c = _STIFFER * h * numbers[row, CONTACT_IMPULSE] * numbers[row, CONTACT_RADIUS]
+    around = numbers[row, CONTACT_RADIUS] + radius
+    c = _STIFFER * h * numbers[row, CONTACT_IMPULSE] * around if around > radius else 0.0
     corners = (contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE])
     if c == 0.0 or corners[0] == corners[1]:
         return
@@ -57,7 +64,8 @@ def resist_tilting(world: int, row: int, h: float, left: float) -> None:
     if area > 0.0:  # along a segment, `across` is zero
         y = cross(times(1.0 / area, across), x)
         second, third = times(1.0 / area**2, cross(v, across)), times(1.0 / area**2, cross(across, u))
-    xx, yy, xy, tilt_x, tilt_y = 1.0, 1.0, 0.0, 0.0, 0.0
+    slide = _slide_past_centre(world, row, n)
+    xx, yy, xy, tilt_x, tilt_y = 1.0, 1.0, 0.0, dot(slide, x) / around, dot(slide, y) / around
     for k in range(3):
         gradient = second if k == 1 else third if k == 2 else times(-1.0, plus(second, third))
         g, f = dot(gradient, x), dot(gradient, y)
@@ -76,3 +84,20 @@ def resist_tilting(world: int, row: int, h: float, left: float) -> None:
     )
     add_shares(particle, corners, PARTICLE_VELOCITY, by, n)
     push_holders(world, row, impulses, n, left)
+
+
+@compiled
+def _slide_past_centre(world: int, row: int, n: Vector) -> Vector:
+    """Return the velocity of the point of a contact relative to the centre of the round shape that it touches.
+
+    The part along the axis, along which the shape is straight, is left out.
+    """
+    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
+    body, motion, share = contact[row, TOUCHED_BODY], floats(world, MOTION), vector_at(numbers, row, SHARES)
+    centre = minus(vector_at(numbers, row, TOUCHED_POINT), times(numbers[row, CONTACT_RADIUS], n))
+    v = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), centre))
+    v = minus(times(share[0], corner_velocity(world, row, 0)), v)
+    v = plus(v, times(share[1], corner_velocity(world, row, 1)))
+    v = plus(v, times(share[2], corner_velocity(world, row, 2)))
+    axis = vector_at(numbers, row, CONTACT_AXIS)
+    return minus(v, times(dot(axis, v), axis))
