@@ -161,6 +161,17 @@ def test_nor_where_it_ends_between_steps_or_impacts(bounces, monkeypatch):
     assert len(set(counts)) == 1
 
 
+def test_nor_do_the_rows_where_a_run_ends_just_after_the_end_of_a_step(monkeypatch):
+    """Step 15 ends at 0.7499999999999999."""
+    ends = []
+    for size in (1, 3, 10_000):
+        monkeypatch.setattr(run, "next_chunk", lambda *_, size=size: size)
+        stop = with_attributes(lambda t: t - 0.75, terminal=True)
+        sol = kd.solve(lambda x: -x, (0.0, 0.85), 1.0, 0.0, step=0.05, method="velocity-verlet", events=stop, **QUIET)
+        ends.append((sol.n_steps, sol.t.tolist()))
+    assert ends[0] == ends[1] == ends[2]
+
+
 def test_the_first_of_two_ends_in_a_step_counts():
     early = with_attributes(lambda t: t - 0.52, terminal=True)
     late = with_attributes(lambda t: t - 0.58, terminal=True)

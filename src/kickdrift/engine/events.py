@@ -37,7 +37,7 @@ Floats = NDArray[np.float64]
 _NUMBERS = 1 << 16  # of states that are kept until functions are evaluated there
 # fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
 _MOST_ROWS = 1 << 14
-_NEAR = 1e-9  # of a step: what ends a run so soon after the step before ends it with that
+_NEAR = 1e-9  # of a step: a step that begins so soon before the end of a run has no zero before it
 
 
 def watch_for(
@@ -149,8 +149,7 @@ class Watch:
         self._search_due()
         stop, failure = self._stop(), ""
         if stop is not None:
-            near = _NEAR * np.diff(t, prepend=t[0] - (t[1] - t[0]))
-            before_it = int(np.searchsorted(self._sign * (t + near), self._sign * stop.t, side="left")) - 1
+            before_it = int(np.searchsorted(self._sign * t, self._sign * stop.t, side="left")) - 1
             steps = min(steps, max(before_it, 0))
             last, sign = float(t[steps]), self._sign
             self.evaluations -= spent_from(self._spent, last, sign, at_it=False)  # of steps that will not be
