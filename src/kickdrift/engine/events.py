@@ -102,14 +102,14 @@ class Watch:
         self._spent: list[tuple[Floats, NDArray[np.int64]]] = []  # in the last look: starts of steps, and evaluations
         self.beyond: float | None = None
 
-    def seen(self, t: float, near: float, beyond: float | None) -> Seen:
-        """Return the zeros found up to a time, and those `near` to it; no zero up to `beyond`, if given, will end the run."""
+    def seen(self, t: float, beyond: float | None) -> Seen:
+        """Return the zeros found in the steps up to a time; no zero up to `beyond`, if given, will end the run."""
         sign = self._sign
         waiting = [
             (k, brackets.part(sign * (brackets.t + 0.5 * brackets.size) < sign * t))
             for k, brackets in joined_by_event(self._waiting)
         ]
-        zeros = tuple(zero for zero in self._zeros if sign * zero.t <= sign * t + near)
+        zeros = tuple(zero for zero in self._zeros if sign * zero.middle < sign * t)
         later = sum(zero.evaluations for zero in self._zeros) - sum(zero.evaluations for zero in zeros)  # sought again
         later += spent_from(self._spent, t, sign, at_it=True)
         return Seen(zeros, tuple(waiting), self.evaluations - later, self.beyond if beyond is None else beyond)
@@ -149,8 +149,7 @@ class Watch:
         self._search_due()
         stop, failure = self._stop(), ""
         if stop is not None:
-            before_it = int(np.searchsorted(self._sign * t, self._sign * stop.t, side="left")) - 1
-            steps = min(steps, max(before_it, 0))
+            steps = min(steps, int(np.searchsorted(self._sign * t, self._sign * stop.middle)) - 1)
             last, sign = float(t[steps]), self._sign
             self.evaluations -= spent_from(self._spent, last, sign, at_it=False)  # of steps that will not be
             self._spent = [(b[k], own[k]) for b, own in self._spent for k in [sign * b <= sign * last]]
@@ -218,7 +217,8 @@ class Watch:
         jumps = self._crosses(event, steps._replace(first=before, last=after))
         jumps &= self._surfaces.located | (after != 0.0)  # otherwise bodies return to surfaces they had passed
         for k in np.flatnonzero(jumps | np.isin(steps.t, found.t[at_end])):
-            self._zeros.append(Zero(float(at.t[k]), event, at.x_after[k], at.v_after[k]))
+            middle = float(steps.t[k] + 0.5 * steps.size[k])
+            self._zeros.append(Zero(float(at.t[k]), middle, event, at.x_after[k], at.v_after[k]))
             if after[k] != 0.0:
                 self._jumps.append(self._zeros[-1])
 
@@ -294,4 +294,5 @@ class Watch:
 
         share = search(*brackets[4:], at, tolerance_of(brackets))
         t, x, v, _, own = self._ask(event, brackets, share)
-        return [Zero(float(t[k]), event, x[k], v[k], int(taken[k] + own[k])) for k in range(t.size)]
+        middle = brackets.t + 0.5 * brackets.size
+        return [Zero(float(t[k]), float(middle[k]), event, x[k], v[k], int(taken[k] + own[k])) for k in range(t.size)]

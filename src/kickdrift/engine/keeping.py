@@ -113,7 +113,7 @@ def _state_of(arrays: Arrays, blank: State) -> State:
 def _seen_of(header: Mapping[str, Any], arrays: Arrays, events: int) -> Seen:
     """Return the zeros of events found so far."""
     columns = zip(*(arrays[f"zeros {name}"] for name in Zero._fields), strict=True)
-    zeros = tuple(Zero(float(t), int(event), x, v, int(took)) for t, event, x, v, took in columns)
+    zeros = tuple(Zero(float(t), float(at), int(event), x, v, int(took)) for t, at, event, x, v, took in columns)
     waiting = tuple(
         (event, Brackets(*(arrays[f"brackets {event} {name}"] for name in Brackets._fields)))
         for event in range(events)

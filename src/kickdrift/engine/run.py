@@ -23,7 +23,6 @@ from kickdrift.engine.zeros import Zero
 
 Floats = NDArray[np.float64]
 Failure = tuple[Outcome, str]  # and a sentence on its cause
-_NEAR = 1e-9  # of a step: a zero that is so little after its end is in it
 _NOTHING = Stretch(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
 _LEAST_SHARE = 10  # of the time of a chunk over that of the copy after it
 
@@ -98,7 +97,7 @@ class Run:
         good, seen = self._checkpoint, None
         if self._watch is not None:
             beyond = self._stop.t if beyond_the_stop and self._stop is not None else None
-            seen = self._watch.seen(self.rows.time(good.step), _NEAR * abs(self.rows.grid.step), beyond)
+            seen = self._watch.seen(self.rows.time(good.step), beyond)
         return Standing(
             self._state.at_rest(), good.step, good.mark, self.rows.kept(good.step, good.mark), self._seconds, seen
         )

@@ -37,9 +37,10 @@ class Brackets(NamedTuple):
 
 
 class Zero(NamedTuple):
-    """A zero: its time, the number of the event, the state there, and the force evaluations of its search."""
+    """A zero: its time and the middle of its step, the number of the event, the state, and the evaluations of its search."""
 
     t: float
+    middle: float
     event: int
     x: Floats
     v: Floats
