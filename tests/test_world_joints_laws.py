@@ -70,50 +70,6 @@ def test_springs_oscillate_with_their_frequency_and_damping_ratio(kind, hertz, r
     assert orders(errors) == pytest.approx(order, abs=0.1)
 
 
-def energies_of_carts(start, speeds, stiffness, lengths, substeps):
-    """Total energies over 4 s of balls of 1 kg in a row that springs hold to each other and to the ground at the origin.
-
-    They bounce off a wall 0.03 m beyond the last one. Velocities are those of half a substep before the positions.
-    """
-    world, lengths = World((0, 0, 0), substeps=substeps), np.array(lengths)
-    world.add_box((1, 1, 1), position=(start[-1] + 0.58, 0, 0), static=True, restitution=1.0)
-    balls = [world.ground]
-    for at, before, speed, length in zip(start, (0.0, *start), speeds, lengths, strict=False):
-        ball = world.add_sphere(0.05, position=(at, 0, 0), velocity=(speed, 0, 0), mass=1.0, restitution=1.0)
-        ends = {"anchor_a": (before, 0, 0), "anchor_b": (at, 0, 0)}
-        world.add_spring(balls[-1], ball, length=length, stiffness=stiffness, **ends)
-        balls.append(ball)
-    energies, rows = [], [ball.index for ball in balls[1:]]
-    for _ in range(240):
-        world.step(STEP)
-        pulls = np.append(stiffness * (np.diff(world.position[rows, 0], prepend=0.0) - lengths), 0.0)
-        speeds = world.velocity[rows, 0] + 0.5 * STEP / substeps * np.diff(pulls)
-        energies.append(0.5 * (speeds @ speeds) + 0.5 * (pulls @ pulls) / stiffness)
-    return np.array(energies)
-
-
-@pytest.mark.parametrize(
-    ("start", "lengths"),
-    [((0.8,), (0.78,)), ((0.8,), (1.0,)), ((0.5, 1.0, 1.3), (0.5, 0.5, 0.4))],
-    ids=["pulled back", "pressed on", "train"],
-)
-def test_what_springs_hold_bounces_without_a_change_of_energy(start, lengths):
-    for stiffness in (30.0, 300.0):
-        rough, fine = (energies_of_carts(start, (1.0, 0.5, 1.0), stiffness, lengths, n) for n in (4, 16))
-        assert np.ptp(rough) < 0.02 * rough[0]
-        assert np.ptp(fine) < 0.002 * fine[0]
-
-
-def test_a_spring_that_presses_a_ball_on_a_wall_does_not_make_it_bounce():
-    world = World((0, 0, 0))
-    world.add_box((1, 1, 1), position=(1.55, 0, 0), static=True, restitution=0.5)
-    ball = world.add_sphere(0.05, position=(1.0, 0, 0), mass=1.0, restitution=0.5)
-    world.add_spring(world.ground, ball, anchor_a=(0, 0, 0), anchor_b=(1, 0, 0), length=1.5, stiffness=100.0)
-    world.advance(STEP, 30)
-    (contact,) = world.contacts
-    assert np.linalg.norm(contact.force) == pytest.approx(50.0, rel=1e-3)
-
-
 def test_a_spring_without_damping_keeps_its_energy():
     world = World((0, 0, 0))
     body = add(world, position=(0.3, 0, 0))

@@ -61,7 +61,6 @@ PRESS = 0
 REST = 1  # touching points do not approach
 BOUNCE = 2  # points that hit leave with the speed of restitution, without friction
 BOUNCE_FRICTION = 3  # friction of a bounce, which acts on the part of the motion that restitution leaves alone
-LAGGING = 4  # contacts do nothing, nor do joints but for their springs: see `kickdrift.world.direct.velocity_lag`
 
 
 @compiled(cached=False, fast=True)

@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.contacts import BOUNCE, LAGGING
+from kickdrift.world.direct.contacts import BOUNCE
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
 from kickdrift.world.joints.axis_laws import end_laws
 from kickdrift.world.joints.geometric_stiffness import set_brakes
@@ -64,7 +64,7 @@ def give_joint(world: int, joint: int, link: int, task: int) -> None:
     """Apply the impulses of a joint to its bodies; those of a bounce do not warm start the next substep."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     column = TOTAL if task >= BOUNCE else JOINT_IMPULSE
-    for k in range(0 if task == LAGGING else 6):
+    for k in range(6):
         numbers[joint, column + k] += work[link, AXIS_IMPULSE + k]
     push_bodies(world, joint, work, link, AXIS_IMPULSE)
 

@@ -24,7 +24,6 @@ from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CON
 from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.solve import solve_at_once
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities, take_back_velocities
-from kickdrift.world.direct.velocity_lag import catch_up, fall_behind, read_lags
 from kickdrift.world.direct.wrenches import along, write_wrench
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.layout import RESTITUTION
@@ -35,14 +34,10 @@ _ROUNDS = 30
 
 @compiled
 def bounce_islands(t: float, h: float, world: int) -> None:
-    """Resolve the bounces of all impacts in islands within the substep, at velocities of the time of the positions."""
-    for island in range(direct_islands(world)):
-        catch_up(world, island, h)
+    """Resolve the bounces of all impacts in islands within the substep."""
     for island in range(direct_islands(world)):
         if not _resolve_impacts(world, island, h):
             _leave_impacts(world, island)
-    for island in range(direct_islands(world)):
-        fall_behind(world, island)
 
 
 @compiled(cached=False)
@@ -93,10 +88,9 @@ def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
     a, b = bodies_of(world, index)
     own, numbers = constraint(world, index), contact_row(world, index)
     slowest = slowest_bounce(world, h, row_of(world, index))
-    velocity, change, lag, wrench = twelve(), twelve(), twelve(), twelve()
+    velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
-    read_lags(world, a, b, lag)
     hit = False
     for k in range(TANGENT):
         numbers[HITS + k] = -1.0
@@ -105,11 +99,10 @@ def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
             continue
         write_wrench(own, k, wrench)
         gap = own[i + c.GAP * c.WIDTH] + along(wrench, change)
-        speed, behind = along(wrench, velocity), along(wrench, lag)
-        # At rest, points that springs press together approach at the speed of their lag, and must not bounce.
-        if speed < -slowest + min(2.0 * behind, 0.0) and gap + 2.0 * h * (speed + behind) <= 0.0:
+        speed = along(wrench, velocity)
+        if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
             numbers[HITS + k] = -e * speed
-            hit = hit or gap + h * (speed + behind) <= 0.0
+            hit = hit or gap + h * speed <= 0.0
     for k in range(TANGENT):
         numbers[HITS + k] = numbers[HITS + k] if hit else -1.0
     if hit:

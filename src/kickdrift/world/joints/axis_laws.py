@@ -196,23 +196,6 @@ def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool)
 
 
 @compiled(cached=False)
-def push_by_half(world: int, joint: int, link: int, h: float) -> None:
-    """Let the springs of drives push for half a substep, as the drives of `_drive_of` without damping, and nothing else."""
-    numbers, laws, work = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES), floats(world, LINK_NUMBERS)
-    for k in range(6):
-        row = 6 * joint + k
-        stiffness, mass = laws[row, j.DRIVE_STIFFNESS], laws[row, j.DRIVEN_MASS]
-        if not integers(world, JOINT)[joint, j.LAWS] >> k & 1 or stiffness == 0.0:
-            continue
-        off = numbers[joint, j.DRIVEN + k - 3] if k >= 3 else numbers[joint, j.JOINT_POSITION + k] - laws[row, j.TARGET]
-        push, most = -0.5 * h * stiffness * off, 0.5 * h * laws[row, j.DRIVE_MAXIMUM]
-        stiff = h * h * stiffness
-        alpha = stiff * stiff / (mass * mass + stiff * stiff)
-        work[link, j.PUSH + k] = min(most, max(-most, push))
-        work[link, j.SLOPE + k] = stiff * (0.25 + 0.75 * alpha) if abs(push) < most else 0.0
-
-
-@compiled(cached=False)
 def law_impulse(world: int, joint: int, k: int, link: int, h: float, relaxing: bool, moved: float) -> float:
     """Return the impulse that a law adds to the one before the solution, where the speed has changed by `moved`."""
     work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, j.JOINT_IMPULSE + k]

@@ -149,7 +149,6 @@ LAW_BASE = column(LINK_NUMBERS, 6, "N s, N m s")
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there
 ACCEPTED_DELTA_SPEED = column(LINK_NUMBERS, 6, "m/s, rad/s")
 ACCEPTED_IMPULSE = column(LINK_NUMBERS, 6, "N s, N m s")
-LAG = column(LINK_NUMBERS, 6, "m/s, rad/s")  # of the velocity, see `kickdrift.world.direct.velocity_lag`
 
 # Columns of POSE and MOTION, and of everything that has a linear and an angular part
 _PARTS = Fields()
