@@ -168,7 +168,9 @@ def test_nor_do_the_rows_where_a_run_ends_just_after_the_end_of_a_step(monkeypat
         monkeypatch.setattr(run, "next_chunk", lambda *_, size=size: size)
         stop = with_attributes(lambda t: t - 0.75, terminal=True)
         sol = kd.solve(lambda x: -x, (0.0, 0.85), 1.0, 0.0, step=0.05, method="velocity-verlet", events=stop, **QUIET)
-        ends.append((sol.n_steps, sol.t.tolist()))
+        on = sol.continue_to(1.5)
+        assert on.t_events[0] == pytest.approx([0.75])
+        ends.append((sol.n_steps, sol.t.tolist(), sol.n_force_evaluations, on.n_force_evaluations))
     assert ends[0] == ends[1] == ends[2]
 
 

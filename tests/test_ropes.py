@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, UnknownNameError
+from kickdrift.world.cloth.contact_rows import _curvature
 from kickdrift.world.tables import CLOTH
 
 STEP = 1 / 60
@@ -161,6 +162,29 @@ def test_a_rope_drives_a_pulley_as_in_atwoods_machine():
     exact = (masses[1] - masses[0]) * 9.81 / moved
     assert 2 * np.polyfit(t, heights[36:], 2)[0] == pytest.approx(exact, rel=0.03)
     assert np.polyfit(t, speeds[36:], 1)[0] == pytest.approx(exact, rel=0.06)
+
+
+FLANK = np.array([10.0, 0.0, 1.0]) / np.sqrt(101.0)  # normal of a cone of radius 0.1 and height 1
+
+
+@pytest.mark.parametrize(
+    ("shape", "sizes", "point", "normal", "radius", "straight"),
+    [
+        ("sphere", (0.1,), (0.1, 0, 0), (1, 0, 0), 0.1, 0.0),
+        ("capsule", (0.1, 1.0), (0.1, 0, 0.2), (1, 0, 0), 0.1, 1.0),
+        ("capsule", (0.1, 1.0), (0, 0, 0.6), (0, 0, 1), 0.1, 0.0),
+        ("cylinder", (0.1, 1.0), (0.1, 0, 0.2), (1, 0, 0), 0.1, 1.0),
+        ("cylinder", (0.1, 1.0), (0.03, 0, 0.5), (0, 0, 1), 0.0, 0.0),
+        ("cone", (0.1, 1.0), (0.03, 0, 0.2), FLANK, 0.03 / FLANK[0], 1.0),
+        ("box", ((1, 1, 1),), (0.5, 0, 0), (1, 0, 0), 0.0, 0.0),
+    ],
+)
+def test_the_radius_of_curvature_is_that_at_the_point(shape, sizes, point, normal, radius, straight):
+    world = kd.World()
+    getattr(world, f"add_{shape}")(*sizes, static=True)
+    found, axis = _curvature(world.tables.address, 0, tuple(map(float, normal)), tuple(map(float, point)), 0.0)
+    assert found == pytest.approx(radius)
+    assert axis == (0.0, 0.0, straight)
 
 
 @pytest.mark.parametrize("shape", ["capsule", "cylinder", "box", "sphere", "hull", "mesh"])

@@ -408,3 +408,21 @@ def test_friction_of_ball_joints_holds_bent_chains_from_the_first_step(seed):
 
     assert abs([ball.position for ball in balls] - np.array(places)).max() < 1e-3
     assert abs(world.velocity).max() < 1e-9
+
+
+def test_bodies_in_free_flight_that_bounce_near_springs_keep_their_energy():
+    """Their velocities belong to the time of their positions, those of bodies on springs do not."""
+    surface = {"restitution": 1.0, "friction": 0.0}
+    pair, plate = World(), World()
+    pair.add_plane(**surface)
+    balls = [pair.add_sphere(0.1, mass=1.0, position=(x, 0, 0.5), **surface) for x in (0.0, 0.5)]
+    pair.add_spring(*balls, anchor_a=(0, 0, 0.5), anchor_b=(0.5, 0, 0.5), stiffness=100.0)
+    table = plate.add_box((1, 1, 0.1), mass=1000.0, **surface)
+    plate.add_fixed_joint(plate.ground, table, anchor=(0, 0, 0))
+    weight = plate.add_sphere(0.03, position=(2, 0, 0), mass=0.01, collides_with=())
+    plate.add_spring(table, weight, anchor_a=(0, 0, 0), anchor_b=(2, 0, 0), stiffness=100.0)
+    plate.add_sphere(0.1, position=(0, 0, 0.7), mass=1.0, **surface)
+    for world in (pair, plate):
+        before = world.energy().total
+        world.advance(1 / 60, 300)
+        assert world.energy().total == pytest.approx(before, rel=1e-4)

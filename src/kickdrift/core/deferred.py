@@ -20,6 +20,8 @@ class Deferred:
         if record is None:
             return self
         values = vars(record)
+        if self._name not in values:
+            raise AttributeError(self._name)
         value = values[self._name]
         if type(value) is partial:
             value = values[self._name] = value()

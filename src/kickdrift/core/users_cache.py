@@ -58,7 +58,8 @@ class UsersCache(Cache):
 
     def _make_room(self, file: Path) -> None:
         """Remove the least recently used files."""
-        excess = len(os.listdir(file.parent)) - _MOST_FILES  # names of a thousand files take 0.6 ms, their times 9
+        # Names of a thousand files take 0.6 ms, their times 9.
+        excess = sum(name.endswith(".nbc") for name in os.listdir(file.parent)) - _MOST_FILES
         if excess > 0:
             files = sorted(file.parent.glob("*.nbc"), key=lambda other: other.stat().st_mtime)
             for unused in files[:excess]:

@@ -109,7 +109,7 @@ class UnitSolution(Solution):
         """Create the solution with units from one of plain numbers."""
         own = object.__new__(cls)
         about = replace(solution.about, units={**solution.about.units, **inside.names})
-        vars(own).update({f.name: getattr(solution, f.name) for f in fields(Solution)}, about=about)
+        vars(own).update({f.name: vars(solution)[f.name] for f in fields(Solution)}, about=about)
         vars(own).update(_inside=inside, _outside=outside)
         return own
 

@@ -39,7 +39,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.collision.dispatch import core_of
-from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
+from kickdrift.world.collision.shape_poses import pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -52,11 +52,13 @@ from kickdrift.world.layout import (
     ORIENTATION,
     POSITION,
     RADIUS,
+    SHAPE_KIND,
     SURFACE_VELOCITY,
     VELOCITY,
 )
 from kickdrift.world.settings import SLEEP_SPEED
-from kickdrift.world.shapes.record import AXIS, NO_CORE
+from kickdrift.world.shapes.kinds import CAPSULE
+from kickdrift.world.shapes.record import CENTRE, NO_CORE
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
@@ -81,6 +83,8 @@ from kickdrift.world.tables import (
 Pose = tuple[Vector, Quaternion]
 Touch = tuple[Vector, float, Vector]
 
+_LEVEL = 1e-6  # cosine between the normal and the axis of a capsule, below which the point is on its side
+_STEEPEST = 0.1  # sine between the normal and the axis of a round shape, below which the shape counts as flat
 AT_FIRST: Vector = (1.0, 0.0, 0.0)  # barycentric coordinates of a particle alone
 
 
@@ -147,10 +151,9 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     if not moves:
         runs = plus(runs, velocity_at(world, shape, point, h))
     numbers[row, CONTACT_FRICTION] = friction
-    core, axis = core_of(world, shape), turned(placed_pose(world, shape)[1], (0.0, 0.0, 1.0))
-    numbers[row, CONTACT_RADIUS] = 0.0 if core == NO_CORE else flat(world, GEOMETRY)[shapes[shape, BEGIN]]
+    numbers[row, CONTACT_RADIUS], axis = _curvature(world, shape, normal, point, h)
     for k in range(3):
-        numbers[row, CONTACT_AXIS + k] = axis[k] if core == AXIS else 0.0
+        numbers[row, CONTACT_AXIS + k] = axis[k]
         numbers[row, CLOTH_NORMAL + k], numbers[row, TOUCHED_POINT + k] = normal[k], arm[k]
         numbers[row, GROUND_VELOCITY + k], numbers[row, SHARES + k] = runs[k], shares[k]
     numbers[row, CLOTH_OFFSET] = 0.0
@@ -158,6 +161,24 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     for k in range(4):
         numbers[row, CONTACT_IMPULSE + k] = 0.0
     return True
+
+
+@compiled
+def _curvature(world: int, shape: int, normal: Vector, point: Vector, h: float) -> tuple[float, Vector]:
+    """Return the radius of curvature of a shape at a point, m, and the axis along which it is straight, both zero if flat.
+
+    The normal at the side of a cylinder or cone leads to the axis, along which the centre of curvature lies.
+    """
+    core, (at, q) = core_of(world, shape), start_pose(world, shape, h)
+    shapes, none = integers(world, SHAPE), (0.0, 0.0, 0.0)
+    axis, arm = turned(q, (0.0, 0.0, 1.0)), minus(point, at)
+    if core == CENTRE:
+        on_side = shapes[shape, SHAPE_KIND] == CAPSULE and abs(dot(axis, normal)) < _LEVEL
+        return float(flat(world, GEOMETRY)[shapes[shape, BEGIN]]), axis if on_side else none
+    across = length(minus(normal, times(dot(axis, normal), axis)))
+    if core == NO_CORE or across < _STEEPEST:
+        return 0.0, none
+    return length(minus(arm, times(dot(axis, arm), axis))) / across, axis
 
 
 @compiled(inline=True)

@@ -166,7 +166,7 @@ GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
 SHARES = column(CLOTH_CONTACT_NUMBERS, 3)  # barycentric coordinates of the point that touches
 CONTACT_IMPULSE = column(CLOTH_CONTACT_NUMBERS, 4, "kg m/s")  # in this part: along the normal, and of friction
-CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # of a round shape, otherwise zero
+CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # of curvature at the point, otherwise zero
 CONTACT_AXIS = column(CLOTH_CONTACT_NUMBERS, 3)  # along which a round shape is straight; zero for a ball
 
 # PARTICLE_SHIFT

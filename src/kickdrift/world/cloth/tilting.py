@@ -5,8 +5,8 @@ by R a, where R is the radius of the shape and half of the thickness together, s
 stiffness N R. The points of contacts are found once a substep, too seldom for this pendulum: a sheet of 0.4 kg/m^2 under a
 ball of 5 kg trembled with 8 m/s, and a rope around a cylinder, whose segments tilt alike, with 0.5 m/s; friction held a third
 of what it should. As in the linearly implicit Euler method, the force at the end of a step is taken: a torque
--h N (R da/dt + u), where u is the speed at which the triangle slides past the centre of the shape. A belt, whose triangles
-turn around the shape as they slide, gets none.
+-h N (R da/dt + u), times a factor, where u is the speed at which the triangle slides past the centre of the shape. A belt,
+whose triangles turn around the shape as they slide, gets none.
 """
 
 from kickdrift.core.compilation import compiled
@@ -64,7 +64,7 @@ def resist_tilting(world: int, row: int, radius: float, h: float, left: float) -
     if area > 0.0:  # along a segment, `across` is zero
         y = cross(times(1.0 / area, across), x)
         second, third = times(1.0 / area**2, cross(v, across)), times(1.0 / area**2, cross(across, u))
-    slide = _slide_past_centre(world, row, n)
+    slide = _slide_past_centre(world, row, around, n)
     xx, yy, xy, tilt_x, tilt_y = 1.0, 1.0, 0.0, dot(slide, x) / around, dot(slide, y) / around
     for k in range(3):
         gradient = second if k == 1 else third if k == 2 else times(-1.0, plus(second, third))
@@ -87,10 +87,10 @@ def resist_tilting(world: int, row: int, radius: float, h: float, left: float) -
 
 
 @compiled
-def _slide_past_centre(world: int, row: int, n: Vector) -> Vector:
+def _slide_past_centre(world: int, row: int, around: float, n: Vector) -> Vector:
     """Return the velocity of the point of a contact relative to the centre of the round shape that it touches.
 
-    The part along the axis, along which the shape is straight, is left out.
+    The part along the axis, along which the shape is straight, is only that of points that turn with it.
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     body, motion, share = contact[row, TOUCHED_BODY], floats(world, MOTION), vector_at(numbers, row, SHARES)
@@ -99,5 +99,5 @@ def _slide_past_centre(world: int, row: int, n: Vector) -> Vector:
     v = minus(times(share[0], corner_velocity(world, row, 0)), v)
     v = plus(v, times(share[1], corner_velocity(world, row, 1)))
     v = plus(v, times(share[2], corner_velocity(world, row, 2)))
-    axis = vector_at(numbers, row, CONTACT_AXIS)
-    return minus(v, times(dot(axis, v), axis))
+    axis, spin = vector_at(numbers, row, CONTACT_AXIS), vector_at(motion, body, ANGULAR_VELOCITY)
+    return plus(v, times(around * dot(axis, cross(spin, n)) - dot(axis, v), axis))
