@@ -36,5 +36,6 @@ fig.supxlabel("x")
 fig.supylabel("y")
 far = np.linalg.norm(sol.x[-1, 2:, None] - sol.x[-1, None, :2], axis=2).min(axis=1) > 2
 print(
-    f"{100 * far.mean():.0f} % of the stars are more than 2 from both centres at the end, three times the radius of the disks"
+    f"{100 * far.mean():.0f} % of the stars are more than 2 from both centres at the end,"
+    " three times the radius of the disks"
 )
