@@ -122,9 +122,8 @@ def with_zeros(
     done = []
     for halving in range(_HALVINGS):
         way = bound * np.abs(parts.size) * (parts.end - parts.begin)
-        rests = (
-            (parts.first == 0.0) & (parts.last == 0.0) & (halving > 0)
-        )  # it may be zero at three points, not for long
+        # It may be zero at both ends of a step, but hardly in its middle, too.
+        rests = (parts.first == 0.0) & (parts.last == 0.0) & (halving > 0)
         near = (np.abs(parts.first) + np.abs(parts.last) <= way) & ~rests  # it may turn there
         done.append((parts.part(~near), which[~near]))
         which, parts = which[near], parts.part(near)

@@ -7,7 +7,7 @@ from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, time
 from kickdrift.world.cloth.body_impulses import mutual_response, push_body
 from kickdrift.world.cloth.contact_lanes import resolve_lanes
 from kickdrift.world.cloth.contact_rows import add_shares, gap_of, shares_of
-from kickdrift.world.cloth.held_corners import corner_velocity, is_held, push_holders, response_with_holders
+from kickdrift.world.cloth.held_corners import is_held, point_velocity, push_holders, response_with_holders
 from kickdrift.world.cloth.layout import (
     CLOTH_NORMAL,
     CLOTH_OFFSET,
@@ -22,7 +22,6 @@ from kickdrift.world.cloth.layout import (
     OTHER_PARTICLE,
     PARTICLE_VELOCITY,
     SHARED_PARTS,
-    SHARES,
     TOUCHED_BODY,
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
@@ -146,10 +145,7 @@ def _ground_velocity(world: int, row: int) -> Vector:
 @compiled
 def _velocity(world: int, row: int) -> Vector:
     """Return the velocity of a point relative to the surface that it touches."""
-    share = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, SHARES)
-    v = minus(times(share[0], corner_velocity(world, row, 0)), _ground_velocity(world, row))
-    v = plus(v, times(share[1], corner_velocity(world, row, 1)))
-    return plus(v, times(share[2], corner_velocity(world, row, 2)))
+    return minus(point_velocity(world, row), _ground_velocity(world, row))
 
 
 @compiled

@@ -101,6 +101,14 @@ def corner_velocity(world: int, row: int, k: int) -> Vector:
 
 
 @compiled
+def point_velocity(world: int, row: int) -> Vector:
+    """Return the velocity of the point of a cloth at a contact."""
+    share = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, SHARES)
+    v = plus(times(share[0], corner_velocity(world, row, 0)), times(share[1], corner_velocity(world, row, 1)))
+    return plus(v, times(share[2], corner_velocity(world, row, 2)))
+
+
+@compiled
 def push_holders(world: int, row: int, shares: Vector, impulse: Vector, left: float) -> None:
     """Apply shares of an impulse on a contact to the bodies to which its corners are pinned."""
     contact, pin = integers(world, CLOTH_CONTACT), integers(world, PIN)

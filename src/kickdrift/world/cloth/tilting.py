@@ -12,7 +12,7 @@ whose triangles turn around the shape as they slide, gets none.
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
 from kickdrift.world.cloth.contact_rows import add_shares
-from kickdrift.world.cloth.held_corners import corner_velocity, holder_response, push_holders
+from kickdrift.world.cloth.held_corners import corner_velocity, holder_response, point_velocity, push_holders
 from kickdrift.world.cloth.layout import (
     CLOTH_NORMAL,
     CONTACT_AXIS,
@@ -21,7 +21,6 @@ from kickdrift.world.cloth.layout import (
     OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
-    SHARES,
     THIRD_PARTICLE,
     TOUCHED_BODY,
     TOUCHED_POINT,
@@ -37,10 +36,10 @@ _STIFFER = 4.0
 
 
 @compiled
-def resist_tilting(world: int, row: int, radius: float, h: float, left: float) -> None:
+def resist_tilting(world: int, row: int, half_thickness: float, h: float, left: float) -> None:
     """Apply the torque of a contact for the substep h, s, after its impulse is known; those of particles alone have none.
 
-    The cloth has the given radius, m. Bodies move with their changes of velocity for the time `left` in the substep, s.
+    `half_thickness` is that of the cloth, m. Bodies move with their changes of velocity for the time `left` in the substep, s.
 
     In the plane of the triangle, or along the segment, with the gradients g of the barycentric coordinates, the rate of
     tilting is w = sum g (n . v), and a torque T, impulses g . T of the corners, changes it by A T with A = sum g g / m. So T
@@ -48,8 +47,8 @@ def resist_tilting(world: int, row: int, radius: float, h: float, left: float) -
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     particle = floats(world, PARTICLE)
-    around = numbers[row, CONTACT_RADIUS] + radius
-    c = _STIFFER * h * numbers[row, CONTACT_IMPULSE] * around if around > radius else 0.0
+    radius = numbers[row, CONTACT_RADIUS] + half_thickness
+    c = _STIFFER * h * numbers[row, CONTACT_IMPULSE] * radius if radius > half_thickness else 0.0
     corners = (contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE])
     if c == 0.0 or corners[0] == corners[1]:
         return
@@ -64,8 +63,8 @@ def resist_tilting(world: int, row: int, radius: float, h: float, left: float) -
     if area > 0.0:  # along a segment, `across` is zero
         y = cross(times(1.0 / area, across), x)
         second, third = times(1.0 / area**2, cross(v, across)), times(1.0 / area**2, cross(across, u))
-    slide = _slide_past_centre(world, row, around, n)
-    xx, yy, xy, tilt_x, tilt_y = 1.0, 1.0, 0.0, dot(slide, x) / around, dot(slide, y) / around
+    slide = _slide_past_centre(world, row, radius, n)
+    xx, yy, xy, tilt_x, tilt_y = 1.0, 1.0, 0.0, dot(slide, x) / radius, dot(slide, y) / radius
     for k in range(3):
         gradient = second if k == 1 else third if k == 2 else times(-1.0, plus(second, third))
         g, f = dot(gradient, x), dot(gradient, y)
@@ -87,17 +86,15 @@ def resist_tilting(world: int, row: int, radius: float, h: float, left: float) -
 
 
 @compiled
-def _slide_past_centre(world: int, row: int, around: float, n: Vector) -> Vector:
+def _slide_past_centre(world: int, row: int, radius: float, n: Vector) -> Vector:
     """Return the velocity of the point of a contact relative to the centre of the round shape that it touches.
 
     The part along the axis, along which the shape is straight, is only that of points that turn with it.
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    body, motion, share = contact[row, TOUCHED_BODY], floats(world, MOTION), vector_at(numbers, row, SHARES)
+    body, motion = contact[row, TOUCHED_BODY], floats(world, MOTION)
     centre = minus(vector_at(numbers, row, TOUCHED_POINT), times(numbers[row, CONTACT_RADIUS], n))
     v = plus(vector_at(motion, body, VELOCITY), cross(vector_at(motion, body, ANGULAR_VELOCITY), centre))
-    v = minus(times(share[0], corner_velocity(world, row, 0)), v)
-    v = plus(v, times(share[1], corner_velocity(world, row, 1)))
-    v = plus(v, times(share[2], corner_velocity(world, row, 2)))
+    v = minus(point_velocity(world, row), v)
     axis, spin = vector_at(numbers, row, CONTACT_AXIS), vector_at(motion, body, ANGULAR_VELOCITY)
-    return plus(v, times(around * dot(axis, cross(spin, n)) - dot(axis, v), axis))
+    return plus(v, times(radius * dot(axis, cross(spin, n)) - dot(axis, v), axis))
