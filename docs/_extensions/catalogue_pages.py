@@ -218,7 +218,7 @@ def _draw(folder: Path, store: Path) -> dict[Kind, str]:
         case = CASES[kind]
         steps = [0.5 * case.largest / 2**k for k in range(_HALVINGS)]
         start = {"x0": case.x0, "v0": case.v0}
-        measured = kd.analysis.work_precision(case.problem, (0.0, 4 * case.end), methods, steps, rounds=3, **start)
+        measured = kd.analysis.work_precision(case.problem, (0.0, 4 * case.end), methods, steps, rounds=15, **start)
         figure = measured.plot()
         figure.suptitle("")
         figure.savefig(folder / names[kind], dpi=110)
