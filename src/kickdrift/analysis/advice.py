@@ -61,7 +61,7 @@ class Advice:
 
     @property
     def columns(self) -> dict[str, Column]:
-        """The table, with one row per method."""
+        """The columns of the table by name, with one row per method."""
         return {
             "method": [trial.method for trial in self.trials],
             "step": np.array([trial.step for trial in self.trials]),
