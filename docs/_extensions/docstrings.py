@@ -44,7 +44,8 @@ def escape(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[s
         if not line.lstrip().startswith((">>>", "...")):
             parts = re.split(r"(`+[^`]*`+)", line)
             parts[::2] = [re.sub(r"(?=\||(?<=, )\*shape)", r"\\", part) for part in parts[::2]]
-            lines[number] = re.sub(r"^( *)(?=[A-Za-z]\.(?: |$))", r"\1\\", "".join(parts))
+            start = r"^( *(?:\.\. \[[\w-]+\] +)?)(?=[A-Za-z]\.(?: |$))"  # also that of a reference, J. K. Salmon
+            lines[number] = re.sub(start, r"\1\\", "".join(parts))
 
 
 _AXES = {repr(kickdrift.Axis()): "Axis()", repr(kickdrift.Axis(locked=True)): "Axis(locked=True)"}

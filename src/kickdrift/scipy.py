@@ -2,9 +2,9 @@
 
 The classes are ``SemiImplicitEuler``, ``StormerVerlet``, ``Ruth3``, ``BlanesMoanS6``, ``BlanesMoanSrkn6b``,
 ``BlanesMoanSrkn11b``, ``Yoshida6`` and ``KahanLi8``; `solver` makes those of other methods. SciPy's events, dense output and
-`t_eval` work with them. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], where v' may depend on t and x, and x' on t
-and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function in Python; `kickdrift.solve` is about a
-hundred times as fast, and supports other kinds of problem.
+`t_eval` work with them. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], where v' may depend on t and x, and x' on
+t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function in Python; `kickdrift.solve` is about
+a hundred times as fast, and supports other kinds of problem.
 """
 
 import math
