@@ -74,7 +74,18 @@ class Advice:
         }
 
     def to_pandas(self) -> Any:
-        """Return the table as a `pandas.DataFrame`, with one row per method."""
+        """Return the table for pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With one row per method.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
         return frame(self.columns, "Advice.to_pandas")
 
     def __repr__(self) -> str:

@@ -55,7 +55,12 @@ class WorkPrecision:
         }
 
     def to_pandas(self) -> Any:
-        """Return the table as a `pandas.DataFrame`, with one row per run.
+        """Return the table for pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With one row per run.
 
         Raises
         ------

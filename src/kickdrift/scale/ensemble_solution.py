@@ -56,7 +56,7 @@ class EnsembleSolution(Motion):
     wall_time : float
         Total seconds for all members, compilation not counted.
     about : Description
-        The run.
+        Names and labels of the run, such as ``about.method`` and ``about.units``.
     parameters : mapping of str to array
         Parameters that distinguish the members, (M,) or (M, p): swept parameters, steps, seeds.
     saved_to : str

@@ -38,8 +38,6 @@ class HasLaws(Handle):
     def drive(self, axis: int | None = None) -> Drive | None:
         """Return the drive of an axis.
 
-        Change a part of it with ``joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))``.
-
         Parameters
         ----------
         axis : int, optional
@@ -49,6 +47,19 @@ class HasLaws(Handle):
         -------
         Drive or None
             With stiffness and damping, even if it was set by its frequency.
+
+        Examples
+        --------
+        To change a part of it:
+
+        >>> from dataclasses import replace
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> block, spring = world.add_box((1, 1, 1), mass=1.0), kd.Drive(stiffness=100.0)
+        >>> slider = world.add_slider(None, block, (0, 0, 0), axis=(1, 0, 0), drive=spring)
+        >>> slider.set_drive(replace(slider.drive(), target=0.5))
+        >>> slider.drive().target
+        0.5
         """
         found: Drive | None = self._joints.law(self, axis, "drive")
         return found
