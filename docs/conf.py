@@ -44,6 +44,7 @@ templates_path = ["_templates"]
 autosummary_generate = True
 autodoc_typehints = "none"
 autodoc_member_order = "groupwise"
+python_maximum_signature_line_length = 100  # one argument per line beyond; kickdrift.css puts them into columns
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from docutils import nodes
 from sphinx.domains.python import PyXRefRole
+from sphinx.util.nodes import make_refnode
 
 import kickdrift
 
@@ -18,14 +19,23 @@ class Name(PyXRefRole):
         self, env: Any, refnode: Any, has_explicit_title: bool, title: str, target: str
     ) -> tuple[str, str]:
         """Mark the reference as one that may lead nowhere."""
-        refnode["reftype"], refnode["may_dangle"] = "obj", True
+        refnode["refdomain"], refnode["reftype"], refnode["may_dangle"] = "py", "obj", True
         linked: tuple[str, str] = super().process_link(env, refnode, has_explicit_title, title, target)
         return linked
 
 
 def leave_dangling(app: Any, env: Any, node: Any, content: nodes.Node) -> nodes.Node | None:
-    """Show a name that has no page as what it is."""
-    return content if node.get("may_dangle") else None
+    """Link a name such as ``Joint.angle`` that is unique among the documented ones, and show others as what they are."""
+    if not node.get("may_dangle"):
+        return None
+    target = node["reftarget"]
+    if "." in target or target[:1].isupper():
+        matches = env.domains["py"].find_obj(env, None, None, target, None, 1)
+        found = [each for each in matches if not each[1].aliased]
+        if len(found) == 1:
+            ((name, entry),) = found
+            return make_refnode(app.builder, node["refdoc"], entry.docname, entry.node_id, content, name)
+    return content
 
 
 def escape(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
@@ -34,14 +44,26 @@ def escape(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[s
         if not line.lstrip().startswith((">>>", "...")):
             parts = re.split(r"(`+[^`]*`+)", line)
             parts[::2] = [re.sub(r"(?=\||(?<=, )\*shape)", r"\\", part) for part in parts[::2]]
-            lines[number] = re.sub(r"^( *)(?=[A-Za-z]\.(?: |$))", r"\1\\", "".join(parts))
+            start = r"^( *(?:\.\. \[[\w-]+\] +)?)(?=[A-Za-z]\.(?: |$))"  # also that of a reference, J. K. Salmon
+            lines[number] = re.sub(start, r"\1\\", "".join(parts))
 
 
-def hide_constructor(
+_AXES = {repr(kickdrift.Axis()): "Axis()", repr(kickdrift.Axis(locked=True)): "Axis(locked=True)"}
+
+
+def shorten_signature(
     app: Any, what: str, name: str, obj: Any, options: Any, arguments: str | None, returned: str | None
 ) -> tuple[str, str] | None:
-    """Show no constructor of handles, results and enumerations, whose objects users get but never create."""
-    if what != "class" or issubclass(obj, Exception):
+    """Show axes among the default values without theirs, and no constructor of objects that users get but never create.
+
+    These are handles, results and enumerations.
+    """
+    if what != "class":
+        short = arguments = arguments or ""
+        for axis, shown in _AXES.items():
+            short = short.replace(axis, shown)
+        return None if short == arguments else (short, returned or "")
+    if issubclass(obj, Exception):
         return None
     if issubclass(obj, Enum | kickdrift.Solution | kickdrift.EnsembleSolution):
         return "", ""
@@ -61,5 +83,5 @@ def setup(app: Any) -> dict[str, bool]:
     app.connect("missing-reference", leave_dangling)
     app.connect("autodoc-process-docstring", escape, priority=900)
     app.connect("autodoc-skip-member", skip_field)
-    app.connect("autodoc-process-signature", hide_constructor, priority=400)  # before numpydoc's
+    app.connect("autodoc-process-signature", shorten_signature, priority=400)  # before numpydoc's
     return {"parallel_read_safe": True}

@@ -1,8 +1,10 @@
 """Methods of kicks and drifts as solvers of SciPy: ``solve_ivp(fun, t_span, y0, method=StormerVerlet, step=0.01)``.
 
-SciPy's events, dense output and `t_eval` work with them. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], where
-v' may depend on t and x, and x' on t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function
-in Python; `kickdrift.solve` is about a hundred times as fast, and supports other kinds of problem.
+The classes are ``SemiImplicitEuler``, ``StormerVerlet``, ``Ruth3``, ``BlanesMoanS6``, ``BlanesMoanSrkn6b``,
+``BlanesMoanSrkn11b``, ``Yoshida6`` and ``KahanLi8``; `solver` makes those of other methods. SciPy's events, dense output and
+`t_eval` work with them. The state is y = [x, v], and ``fun(t, y)`` returns [x', v'], where v' may depend on t and x, and x' on
+t and v: x'' = a(t, x), and Hamiltonians T(p, t) + V(q, t). Every step calls the function in Python; `kickdrift.solve` is about
+a hundred times as fast, and supports other kinds of problem.
 """
 
 import math
@@ -26,7 +28,7 @@ _UNEVEN = 0.6180339887498949  # the golden ratio: the fractions of its multiples
 
 
 class SplittingSolver(OdeSolver):
-    """A method of kicks and drifts with a fixed step; `solver` makes a class of a method of the catalogue.
+    """The base class of the solvers, each for one method of kicks and drifts, with a fixed step.
 
     Parameters
     ----------
@@ -171,6 +173,11 @@ def solver(method: str | Method) -> type[SplittingSolver]:
     ----------
     method : str or Method
         A method of kicks and drifts, such as ``"blanes-moan-s6"``.
+
+    Returns
+    -------
+    type
+        A `SplittingSolver`, for ``solve_ivp(..., method=...)``.
 
     Raises
     ------

@@ -61,7 +61,7 @@ class Advice:
 
     @property
     def columns(self) -> dict[str, Column]:
-        """The table, with one row per method."""
+        """The columns of the table by name, with one row per method."""
         return {
             "method": [trial.method for trial in self.trials],
             "step": np.array([trial.step for trial in self.trials]),
@@ -74,7 +74,18 @@ class Advice:
         }
 
     def to_pandas(self) -> Any:
-        """Return the table as a `pandas.DataFrame`, with one row per method."""
+        """Return the table for pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With one row per method.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
         return frame(self.columns, "Advice.to_pandas")
 
     def __repr__(self) -> str:

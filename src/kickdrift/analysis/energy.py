@@ -16,6 +16,10 @@ Floats = NDArray[np.float64]
 def energy_error(solution: Solution) -> Floats:
     """Return the energy error at the times kept: (E - E0) / |E0|, or E - E0 where E0 is zero.
 
+    Parameters
+    ----------
+    solution : Solution
+
     Returns
     -------
     (T,) array
@@ -39,6 +43,14 @@ def energy_error(solution: Solution) -> Floats:
 def largest_energy_error(solution: Solution) -> float:
     """Return the largest magnitude of `energy_error` at the times kept.
 
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    float
+
     Raises
     ------
     KickdriftError
@@ -59,6 +71,14 @@ def energy_drift(solution: Solution) -> float:
 
     For the bounded oscillation of a symplectic method the slope decreases with the length of the run; for a steady gain or
     loss it does not.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    float
 
     Raises
     ------

@@ -46,6 +46,10 @@ def mergers(solution: Solution) -> tuple[Merger, ...]:
     solution : Solution
         Of bodies with radii, see `kickdrift.systems.planetary`.
 
+    Returns
+    -------
+    tuple of Merger
+
     Raises
     ------
     ArgumentError

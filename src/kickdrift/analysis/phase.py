@@ -73,6 +73,15 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
 def largest_phase_error(solution: Solution, reference: Solution | None = None) -> float:
     """Return the largest magnitude of `phase_error` at the times kept, in units of time.
 
+    Parameters
+    ----------
+    solution, reference : Solution
+        As for `phase_error`.
+
+    Returns
+    -------
+    float
+
     Examples
     --------
     >>> import kickdrift as kd
@@ -85,6 +94,15 @@ def largest_phase_error(solution: Solution, reference: Solution | None = None) -
 
 def phase_drift(solution: Solution, reference: Solution | None = None) -> float:
     """Return the slope of the least-squares line through `phase_error`: time gained per unit of time.
+
+    Parameters
+    ----------
+    solution, reference : Solution
+        As for `phase_error`.
+
+    Returns
+    -------
+    float
 
     Raises
     ------

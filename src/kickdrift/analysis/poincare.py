@@ -46,7 +46,17 @@ class PoincareSection:
         return f"<PoincareSection of {self.system}: {self.t.size} crossings{times}>"
 
     def plot(self, path: Any = None, *, axes: tuple[str, str] | None = None, ax: Any = None) -> Any:
-        """Plot the crossings, see `kickdrift.plots.plot_poincare_sections`; return the matplotlib figure."""
+        """Plot the crossings.
+
+        Parameters
+        ----------
+        path, axes, ax
+            As for `kickdrift.plots.plot_poincare_sections`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
         return type(self).presenter(self, path, axes=axes, ax=ax)
 
 

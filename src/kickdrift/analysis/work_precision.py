@@ -45,7 +45,7 @@ class WorkPrecision:
 
     @property
     def columns(self) -> dict[str, Column]:
-        """The table, with one row per run."""
+        """The columns of the table by name, with one row per run."""
         return {
             "method": [curve.label for curve in self.curves for _ in curve.errors],
             "step": np.concatenate([curve.steps for curve in self.curves if curve.steps is not None]),
@@ -55,7 +55,12 @@ class WorkPrecision:
         }
 
     def to_pandas(self) -> Any:
-        """Return the table as a `pandas.DataFrame`, with one row per run.
+        """Return the table for pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With one row per run.
 
         Raises
         ------
@@ -65,7 +70,17 @@ class WorkPrecision:
         return frame(self.columns, "WorkPrecision.to_pandas")
 
     def plot(self, path: Any = None, *, ax: Any = None) -> Any:
-        """Plot errors against force evaluations and seconds; see `kickdrift.plots.plot_work_precision`."""
+        """Plot errors against force evaluations and time.
+
+        Parameters
+        ----------
+        path, ax
+            As for `kickdrift.plots.plot_work_precision`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
         return type(self).presenter(self, path, ax=ax)
 
     def __repr__(self) -> str:

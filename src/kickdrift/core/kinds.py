@@ -5,24 +5,24 @@ from functools import cache
 
 
 class Kind(Enum):
-    """Kinds of problems, by the form of the equations. The value is the phrase shown to users.
+    """Kinds of problems, by the form of the equations; ``kind.value`` is a phrase that describes it.
 
     A kind includes the more specific ones below it, and a method that has its order on a kind has it on those, too. ::
 
-        FIRST_ORDER
-          PARTITIONED
-            HAMILTONIAN
-              SEPARABLE
-                NEWTONIAN
-                  NEARLY_KEPLERIAN
-                  MULTIRATE
-                    OSCILLATORY
-            VELOCITY_DEPENDENT
+        FIRST_ORDER                   y' = f(t, y)
+          PARTITIONED                 x' = f(t, x, v), v' = g(t, x, v)
+            HAMILTONIAN               H(q, p), separable or not
+              SEPARABLE               T(p) + V(q)
+                NEWTONIAN             accelerations a(t, x)
+                  NEARLY_KEPLERIAN    light bodies around a heavy one
+                  MULTIRATE           a fast and a slow part
+                    OSCILLATORY       -omega^2 x + g(t, x)
+            VELOCITY_DEPENDENT        accelerations a(t, x, v)
               NEWTONIAN ...
-              DAMPED
-              CHARGED
-        CONSTRAINED
-        LANGEVIN
+              DAMPED                  a(t, x) - c v
+              CHARGED                 charges in electric and magnetic fields
+        CONSTRAINED                   a(t, x) with constraints g(x) = 0
+        LANGEVIN                      forces, friction and noise
 
     Examples
     --------

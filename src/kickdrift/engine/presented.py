@@ -31,6 +31,10 @@ class Presented:
     def report(self) -> str:
         """Return a report on the run, as text with one fact per line.
 
+        Returns
+        -------
+        str
+
         Examples
         --------
         >>> import kickdrift as kd
@@ -77,7 +81,7 @@ class Presented:
         return self.presenters.plot(self, path, ax=ax)
 
     def to_html(self, path: str | Path) -> Path:
-        """Write a page that plays in the browser, without a server; return its path.
+        """Write a page that plays in the browser, without a server.
 
         The mouse rotates and zooms the scene: the bodies of a recording, or those of a solution on their orbits.
 
@@ -85,6 +89,11 @@ class Presented:
         ----------
         path : path
             Its name ends in ``.html``.
+
+        Returns
+        -------
+        Path
+            Of the page.
 
         Raises
         ------
@@ -115,6 +124,11 @@ class Presented:
         height : int
             Of the frame, in pixels.
 
+        Returns
+        -------
+        object
+            Its HTML is shown where it is the last value of a cell.
+
         Raises
         ------
         ArgumentError
@@ -131,12 +145,17 @@ class Presented:
         return self.presenters.show(self, height)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path.
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`.
 
         Parameters
         ----------
         path : path
             A suffix ``.npz`` is added if it is missing.
+
+        Returns
+        -------
+        Path
+            Of the file.
 
         Raises
         ------
@@ -155,7 +174,12 @@ class Presented:
         return self.presenters.save(self, path)
 
     def to_pandas(self) -> Any:
-        """Return a `pandas.DataFrame`, one row per time, whose columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``.
+        """Return the states as a table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row per time; the columns are named ``x[0]``, ``x[Jupiter, y]``, ``energy``.
 
         Raises
         ------
@@ -172,7 +196,12 @@ class Presented:
         return self.presenters.to_pandas(self)
 
     def to_xarray(self) -> Any:
-        """Return an `xarray.Dataset` with named dimensions and units.
+        """Return the states as labelled arrays.
+
+        Returns
+        -------
+        xarray.Dataset
+            With named dimensions and units.
 
         Raises
         ------

@@ -51,7 +51,7 @@ class Solution(Motion, Presented):
     wall_time : float
         Seconds in the loop, compilation not counted.
     about : Description
-        Names and labels of the run.
+        Names and labels of the run, such as ``about.method`` and ``about.units``.
     derived : mapping of str to array
         Other quantities derived from the states, by name, each evaluated on first access.
     error_estimate : array or None

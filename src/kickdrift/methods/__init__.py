@@ -166,6 +166,15 @@ def preferred_for_nearly_keplerian(turn: float) -> Method:
 def get(name: str | Method) -> Method:
     """Return a method by its name or an alias; a `Method` is returned unchanged.
 
+    Parameters
+    ----------
+    name : str or Method
+        As in `catalogue`, or an alias such as ``"leapfrog"``.
+
+    Returns
+    -------
+    Method
+
     Raises
     ------
     UnknownNameError

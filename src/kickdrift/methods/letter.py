@@ -6,7 +6,7 @@ from kickdrift.core.kinds import Kind
 
 
 class Letter(Enum):
-    """A letter of a word, which stands for a flow.
+    """A letter of a word: a flow, which advances a part of the dynamics by a share of the step.
 
     In the spelling of words, K and D are KICK and DRIFT, K* and D* their adjoints, and P and Q CONSTRAIN_POSITIONS and
     CONSTRAIN_VELOCITIES; the others are spelled by their values, such as ``boris-rotate``.
@@ -20,7 +20,7 @@ class Letter(Enum):
     LINEARLY_IMPLICIT_KICK
         A kick that solves one linear system with the derivative of the acceleration with respect to v.
     GRADIENT_KICK
-        A kick with a multiple of the gradient of the squared acceleration added.
+        A kick over a time s with the acceleration a + c s^2 grad |a|^2; c is its parameter.
     DAMP, DAMPED_DRIFT
         The exact decay of v by linear damping, and the exact motion of x and v under it.
     ROTATE, BORIS_ROTATE
@@ -30,19 +30,38 @@ class Letter(Enum):
     KEPLER
         The exact motion of each body in its Kepler problem.
     ENCOUNTERS
-        A step of planets that resolves close encounters.
+        A step of planets that resolves close encounters; its 20 parameters are those of ``close-encounters``.
     OSCILLATE, FILTERED_KICK
-        The exact motion of linear oscillators, and a kick filtered at their frequencies.
+        The exact motion of linear oscillators, and a kick filtered at their frequencies; its parameters are the powers a,
+        b, c of the filters phi = sinc^b and psi = sinc^a (2/xi tan(xi/2))^c at xi = h omega (Hairer, Lubich, Wanner,
+        Geometric Numerical Integration, section XIII.2, where psi is psi_1).
     SUBSTEPS
-        Steps of Stoermer-Verlet under the fast force.
+        Steps of Stoermer-Verlet under the fast force; their number is its parameter.
     CONSTRAIN_POSITIONS, CONSTRAIN_VELOCITIES
         Projections onto the constraints, and onto their tangent space.
     DOUBLED_KICK, DOUBLED_DRIFT, DOUBLED_BINDING
-        The flows of Tao's doubled phase space: of both halves of the Hamiltonian, and of the binding of the copies.
+        The flows of Tao's doubled phase space: of both halves of the Hamiltonian, and of the binding of the copies, whose
+        parameter is the constant omega.
     RUNGE_KUTTA, IMPLICIT_RUNGE_KUTTA, STIFF_RUNGE_KUTTA
         A step by a tableau: explicit, implicit, and implicit with an error estimate, for stiff equations.
     EXTRAPOLATION
-        Symmetric steps of order 2, extrapolated to a step size of zero.
+        Symmetric steps of order 2, extrapolated to a step size of zero; its parameter is how many step sizes are used.
+
+    Notes
+    -----
+    The letters of a word must together advance all of the dynamics, each part of it by shares that add up to 1:
+
+    - KICK and DRIFT, for accelerations and Hamiltonians; with DAMP, or as KICK and DAMPED_DRIFT, for `kickdrift.Damped`; with
+      ROTATE for `kickdrift.ChargedParticle`; with THERMOSTAT for `kickdrift.Langevin`; with CONSTRAIN_POSITIONS, and possibly
+      CONSTRAIN_VELOCITIES, for `kickdrift.Constrained`;
+    - KICK and KEPLER, or ENCOUNTERS alone, for `kickdrift.systems.planetary`;
+    - KICK and OSCILLATE for `kickdrift.Oscillatory`, KICK and SUBSTEPS for `kickdrift.Multirate`;
+    - the three DOUBLED letters, for `kickdrift.Hamiltonian`;
+    - RUNGE_KUTTA, IMPLICIT_RUNGE_KUTTA, STIFF_RUNGE_KUTTA or EXTRAPOLATION alone, for all equations without constraints and
+      noise; NOISE and IMPLICIT_RUNGE_KUTTA for `kickdrift.Langevin`.
+
+    ADJOINT_KICK, LINEARLY_IMPLICIT_KICK, GRADIENT_KICK and FILTERED_KICK count as kicks, ADJOINT_DRIFT as a drift, and
+    BORIS_ROTATE as a rotation.
 
     Examples
     --------
@@ -85,7 +104,7 @@ class Letter(Enum):
 
     @property
     def share(self) -> str:
-        """The part of the dynamics that the letter advances: in a word, the fractions of each of these add up to 1."""
+        """The part of the dynamics that it advances, such as ``"kick"`` for all kicks; in a word, its shares add up to 1."""
         return _SHARES.get(self, self.value)
 
     @property
@@ -135,7 +154,7 @@ class Letter(Enum):
 
     @property
     def parameters(self) -> int:
-        """Number of coefficients of the method that are its parameters."""
+        """How many numbers it needs in `Method.parameters`."""
         return _PARAMETERS.get(self, 0)
 
     @property
@@ -145,7 +164,7 @@ class Letter(Enum):
 
     @property
     def symbol(self) -> str:
-        """The symbol as shown: one or two characters for the most common letters, the name for the others."""
+        """The symbol in the spelling of words: one or two characters for the most common letters, the value for the others."""
         return _SYMBOLS.get(self, self.value)
 
 

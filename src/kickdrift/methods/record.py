@@ -44,7 +44,8 @@ class Method:
         Order of the global error, on the problems of `kind`; for Langevin dynamics that of averages, the weak order; for
         ``shake`` that of positions, while its velocities have order 1.
     word : tuple of (Letter, Fraction)
-        The flows of one step, from first to last, each with its fraction of the step.
+        The flows of one step, from first to last, each with its fraction of the step, as `kickdrift.methods.word` and the
+        like return it. `Letter` lists which flows make up a step.
     symmetric : bool
         Whether a step of -h inverts a step of h.
     kind : Kind
@@ -54,9 +55,9 @@ class Method:
     aliases : tuple of str
         Other names.
     tableau : callable, optional
-        Returns the `Tableau` of a Runge-Kutta method.
-    parameters : tuple of numbers
-        Further parameters of the flows of the word.
+        Returns the `Tableau` of a Runge-Kutta method, whose word is a single letter such as ``Letter.RUNGE_KUTTA``.
+    parameters : tuple of int or Fraction
+        Numbers that its letters need, such as the number of substeps; see `Letter`.
     counterpart : str
         Name of the method that replaces it for non-separable Hamiltonians.
     generalised_order : tuple of int
@@ -65,6 +66,12 @@ class Method:
     corrector : tuple of (Letter, Fraction)
         Another word of the same letters, whose weights sum to zero: applied once, before the first step, and inverted on
         every state that is kept.
+
+    Raises
+    ------
+    ArgumentError
+        For fields that contradict each other: shares that do not add up to 1, a wrong symmetry, an order that the word does
+        not have on the harmonic oscillator, or letters that do not exist for the kind of problem.
 
     Examples
     --------

@@ -16,28 +16,35 @@ _ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Tableau:
-    """The Butcher tableau of s stages, validated on creation.
+    """The Butcher tableau of a Runge-Kutta method with s stages, for `Method`; validated on creation.
 
     Attributes
     ----------
     a : s sequences of s numbers
-        Weights of the slopes in the stages, for x.
+        In row i, the weights of the slopes in stage i. The nodes c are the sums of the rows.
     b : sequence of s numbers
-        Weights of the slopes in the step, for x.
+        Weights of the slopes in the step.
     a_of_v, b_of_v : the same for v, optional
-        If v has different weights (Hairer, Lubich, Wanner, Geometric Numerical Integration, section II.2).
+        If v has different weights from x (Hairer, Lubich, Wanner, Geometric Numerical Integration, section II.2).
     error_weights : two sequences of s numbers, optional
-        Weights of the slopes in two estimates of the error of a step, the first of the higher order, which are combined as
-        in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, eq. (II.10.17).
+        For `kickdrift.LocalError`: weights of the slopes in two estimates of the error of a step, the first of the higher
+        order, which are combined as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, eq. (II.10.17).
     error_order : int
         The order of the estimated error: the error of a step scales as its size to this power plus one.
 
+    Raises
+    ------
+    ArgumentError
+        For an a that is not square or does not fit b, and for weights b that do not add up to 1.
+
     Examples
     --------
-    >>> import kickdrift as kd
-    >>> tableau = kd.methods.get("implicit-midpoint").tableau()
-    >>> tableau.stages, tableau.explicit, tableau.symmetric
-    (1, False, True)
+    The explicit midpoint rule:
+
+    >>> from kickdrift.methods import Tableau
+    >>> midpoint = Tableau(a=[[0, 0], [0.5, 0]], b=[0, 1])
+    >>> midpoint.stages, midpoint.explicit, midpoint.symmetric
+    (2, True, False)
     """
 
     a: Sequence[Sequence[Fraction | float]]
@@ -126,7 +133,7 @@ class Tableau:
 
     @property
     def embedded(self) -> NDArray[np.float64]:
-        """Weights of an estimate of the error: of the slope at the start, then of those of the stages.
+        """Weights of the error estimate of a stiffly accurate tableau: of the slope at the start, then of those of the stages.
 
         The estimate is the difference from a quadrature of order s that also has the slope at the start. The weight of
         that slope is the real eigenvalue of a (Hairer, Wanner, section IV.8), or, if there is none, the modulus of the

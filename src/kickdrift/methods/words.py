@@ -8,7 +8,18 @@ from kickdrift.methods.record import D, K, Weight, Word
 
 
 def word(*letters: tuple[Letter, Weight]) -> Word:
-    """Spell a word with exact weights, given as fractions, decimals or their strings.
+    """Spell a word with exact weights.
+
+    Parameters
+    ----------
+    *letters : (Letter, weight)
+        The flows of a step in their order, each with its share of the step: an int, a Fraction, a Decimal, or the string of
+        one, such as ``"1/2"``; floats are not exact.
+
+    Returns
+    -------
+    tuple of (Letter, Fraction)
+        For the argument `word` of `Method`.
 
     Examples
     --------
@@ -20,7 +31,21 @@ def word(*letters: tuple[Letter, Weight]) -> Word:
 
 
 def alternating(first: Letter, weights: Sequence[Weight], second: Letter | None = None) -> Word:
-    """Spell a word of two alternating letters: kicks and drifts, unless `second` is given.
+    """Spell a word of two alternating letters.
+
+    Parameters
+    ----------
+    first : Letter
+        The first letter of the word.
+    weights : sequence of Fraction, Decimal, str or int
+        One per letter of the word.
+    second : Letter, optional
+        The other letter; by default DRIFT after KICK, otherwise KICK.
+
+    Returns
+    -------
+    tuple of (Letter, Fraction)
+        As from `word`.
 
     Examples
     --------
@@ -40,6 +65,18 @@ def rows(first: Letter, own: Sequence[Weight], others: Sequence[Weight]) -> Word
 
     The two left out follow from the sums, so that time advances by exactly one step whatever the rounding of the printed
     digits.
+
+    Parameters
+    ----------
+    first : Letter
+        KICK or DRIFT.
+    own, others : sequence of Fraction, Decimal, str or int
+        Weights of the first letter and of the other one, one number fewer than the word has of each.
+
+    Returns
+    -------
+    tuple of (Letter, Fraction)
+        As from `word`.
 
     Examples
     --------
@@ -63,6 +100,20 @@ def palindrome(first: Letter, weights: Sequence[Weight], second: Letter | None =
     These two weights follow from the sums of 1 for each letter, so that time advances by exactly one step whatever the
     rounding of the printed digits.
 
+    Parameters
+    ----------
+    first : Letter
+        The first letter of the word.
+    weights : sequence of Fraction, Decimal, str or int
+        The first n weights of a word of 2 n + 3 letters.
+    second : Letter, optional
+        As for `alternating`.
+
+    Returns
+    -------
+    tuple of (Letter, Fraction)
+        As from `word`.
+
     Examples
     --------
     >>> from kickdrift.methods import Letter, palindrome
@@ -77,6 +128,18 @@ def palindrome(first: Letter, weights: Sequence[Weight], second: Letter | None =
 
 def composition(base: Word, weights: Sequence[Weight]) -> Word:
     """Spell a composition of steps: a step of `base` for each weight, neighbours of the same letter merged.
+
+    Parameters
+    ----------
+    base : tuple of (Letter, Fraction)
+        A word.
+    weights : sequence of Fraction, Decimal, str or int
+        The share of each step of `base`; they add up to 1.
+
+    Returns
+    -------
+    tuple of (Letter, Fraction)
+        As from `word`.
 
     Examples
     --------

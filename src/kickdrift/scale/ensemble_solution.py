@@ -56,7 +56,7 @@ class EnsembleSolution(Motion):
     wall_time : float
         Total seconds for all members, compilation not counted.
     about : Description
-        The run.
+        Names and labels of the run, such as ``about.method`` and ``about.units``.
     parameters : mapping of str to array
         Parameters that distinguish the members, (M,) or (M, p): swept parameters, steps, seeds.
     saved_to : str
@@ -162,6 +162,10 @@ class EnsembleSolution(Motion):
     def report(self) -> str:
         """Return a report on the members, as text with one fact per line.
 
+        Returns
+        -------
+        str
+
         Examples
         --------
         >>> import numpy as np, kickdrift as kd
@@ -177,7 +181,17 @@ class EnsembleSolution(Motion):
         return self.presenters.report(self)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`; return its path.
+        """Write everything to one ``.npz`` file of plain arrays, for `kickdrift.load`.
+
+        Parameters
+        ----------
+        path : path
+            A suffix ``.npz`` is added if it is missing.
+
+        Returns
+        -------
+        Path
+            Of the file.
 
         Examples
         --------
@@ -194,7 +208,12 @@ class EnsembleSolution(Motion):
         return self.presenters.save(self, path)
 
     def to_xarray(self) -> Any:
-        """Return an `xarray.Dataset` with named dimensions, ``member`` the first, and units.
+        """Return the states as labelled arrays.
+
+        Returns
+        -------
+        xarray.Dataset
+            With named dimensions, ``member`` the first, and units.
 
         Examples
         --------

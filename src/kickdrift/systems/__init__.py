@@ -81,6 +81,15 @@ def catalogue() -> dict[str, Callable[[], System]]:
 def get(name: str) -> System:
     """Create a system of the catalogue, with its default initial state.
 
+    Parameters
+    ----------
+    name : str
+        As in `catalogue`.
+
+    Returns
+    -------
+    System
+
     Raises
     ------
     UnknownNameError

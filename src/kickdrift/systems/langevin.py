@@ -54,8 +54,12 @@ class Langevin(Problem):
     Notes
     -----
     ``method="baoab"`` has the most accurate positions: those of a harmonic oscillator have the exact distribution at every
-    stable step, up to h omega = 2. The orders of these methods are weak orders, of averages. For the random numbers see
-    `kickdrift.core.random`.
+    stable step, up to h omega = 2. The orders of these methods are weak orders, of averages. The random
+    numbers are those of Philox4x64-10 [1]_.
+
+    References
+    ----------
+    .. [1] J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3, SC'11 (2011).
 
     Examples
     --------

@@ -84,7 +84,7 @@ class Adapter(Protocol):
 
 
 class Problem(ABC):
-    """A problem described by Python functions. A new kind of description is a subclass in a file of its own.
+    """The base class of the descriptions of problems by Python functions, such as `kickdrift.SecondOrder`.
 
     Attributes
     ----------

@@ -50,6 +50,11 @@ class Ephemeris:
 def ephemeris() -> Ephemeris:
     """Read the packaged states of JPL's DE421: J2000 and six epochs up to ten years later.
 
+    Returns
+    -------
+    Ephemeris
+        Names, gravitational parameters, epochs, positions and velocities.
+
     Examples
     --------
     >>> import kickdrift as kd

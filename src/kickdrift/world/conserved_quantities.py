@@ -43,7 +43,12 @@ class ConservedQuantities:
     bodies: Bodies
 
     def energy(self) -> Energy:
-        """Measure kinetic and potential energy, J; ``energy().total`` is their sum.
+        """Measure kinetic and potential energy.
+
+        Returns
+        -------
+        Energy
+            ``energy().kinetic``, ``.potential`` and ``.total``, J.
 
         Examples
         --------
@@ -56,7 +61,12 @@ class ConservedQuantities:
         return energy(self.tables, self.bodies)
 
     def momentum(self) -> Floats:
-        """Measure the momentum, (3,), kg m/s.
+        """Measure the momentum.
+
+        Returns
+        -------
+        (3,) array
+            kg m/s.
 
         Examples
         --------
@@ -69,7 +79,12 @@ class ConservedQuantities:
         return momentum(self.tables, self.bodies)
 
     def angular_momentum(self) -> Floats:
-        """Measure the angular momentum about the origin, (3,), kg m^2/s.
+        """Measure the angular momentum about the origin.
+
+        Returns
+        -------
+        (3,) array
+            kg m^2/s.
 
         Examples
         --------

@@ -18,7 +18,20 @@ class ContactViews:
 
     @property
     def events(self) -> list[ContactEvent]:
-        """Contacts that began or ended in the last call of `step` or `advance`, in order; removing a body creates no event."""
+        """Contacts that began or ended in the last call of `step` or `advance`, in order; removing a body creates no event.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> floor = world.add_plane()
+        >>> ball = world.add_sphere(radius=0.1, position=(0, 0, 0.2))
+        >>> for _ in range(60):
+        ...     world.step(1 / 60)
+        ...     for event in world.events:
+        ...         print(event.begins, event.body_b == ball, round(world.time, 3))
+        True True 0.15
+        """
         return events(self.tables, self.bodies)
 
     @property

@@ -177,6 +177,10 @@ class SpatialQueries:
         ignore : Body or iterable of Body
             Bodies that do not count.
 
+        Returns
+        -------
+        list of Body
+
         Raises
         ------
         ArgumentError
@@ -211,6 +215,10 @@ class SpatialQueries:
             Of its centre, m.
         layers, ignore
             As in `overlap_box`.
+
+        Returns
+        -------
+        list of Body
 
         Raises
         ------

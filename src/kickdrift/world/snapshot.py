@@ -47,51 +47,32 @@ TABLES: Mapping[str, Table] = MappingProxyType(
 class Snapshot:
     """The state of a world, as returned by `World.snapshot`: everything that its next steps depend on.
 
-    It does not change with the world, and can be copied and pickled.
+    It does not change with the world, and can be copied and pickled. `World.restore` takes it; the fields that are not listed
+    here are the internal tables of the world.
 
     Attributes
     ----------
     time : float
-        s.
+        Time since the start, s.
     n_steps : int
         Steps done.
-    sleeping : bool
-        Whether resting bodies may sleep.
-    forces : tuple of Force
-        Force functions, and the stages compiled from them.
-    tables : mapping of str to array
-        Rows in use of each table of `kickdrift.world.tables` that no step fills anew, by its name; read-only.
-    free_bodies, free_shapes : tuple of int
-        Rows to be reused, the next one last.
-    n_bodies_made, n_joints_made, n_cloths_made : int
-        Number of bodies, joints and cloths ever added, from which handles get their generations.
-    shapes : mapping of int to Placed
-        By row.
-    geometry : mapping of bytes to int
-        Row of GEOMETRY where the numbers of a shape begin, by its kind and numbers.
-    kinds : tuple of int
-        Kinds of all shapes so far.
-    bouncing : bool
-        Whether any shape has had a restitution.
-    body_names, joint_names, cloth_names : mapping of int to str
-        By row.
     """
 
     time: float
     n_steps: int
     sleeping: bool
-    forces: tuple[Force, ...]
-    tables: Mapping[str, NDArray[Any]]
-    free_bodies: tuple[int, ...]
+    forces: tuple[Force, ...]  # with the stages compiled from them
+    tables: Mapping[str, NDArray[Any]]  # rows in use of each table that no step fills anew, by its name; read-only
+    free_bodies: tuple[int, ...]  # rows to be reused, the next one last
     free_shapes: tuple[int, ...]
-    n_bodies_made: int
+    n_bodies_made: int  # ever added, from which handles get their generations
     n_joints_made: int
     n_cloths_made: int
-    shapes: Mapping[int, Placed]
-    geometry: Mapping[bytes, int]
+    shapes: Mapping[int, Placed]  # by row
+    geometry: Mapping[bytes, int]  # row of GEOMETRY where the numbers of a shape begin, by its kind and numbers
     kinds: tuple[int, ...]
-    bouncing: bool
-    body_names: Mapping[int, str]
+    bouncing: bool  # whether any shape has had a restitution
+    body_names: Mapping[int, str]  # by row
     joint_names: Mapping[int, str]
     cloth_names: Mapping[int, str]
 

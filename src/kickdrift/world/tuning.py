@@ -85,6 +85,10 @@ class Tunable:
     def exclude(self, body_a: Body, body_b: Body) -> None:
         """Exclude two bodies from colliding; bodies connected by a joint never collide.
 
+        Parameters
+        ----------
+        body_a, body_b : Body
+
         Raises
         ------
         ArgumentError

@@ -92,7 +92,7 @@ class World(
     midpoint : bool
         Whether bodies in free flight move with the mean of their velocities before and after the kick, so that gravity
         conserves energy. Bodies with joints, but without contacts, damping, motors, drives and joint friction, then get half
-        of the kick before the drift and half after it (Störmer-Verlet). If False, all move with the velocity after the kick
+        of the kick before the drift and half after it (Stoermer-Verlet). If False, all move with the velocity after the kick
         (semi-implicit Euler).
     margin, slop : float
         The distance between shapes at which a contact between them is created, and the depth to which they may overlap; m.

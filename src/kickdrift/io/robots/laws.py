@@ -54,6 +54,15 @@ class Actuator:
     def drive(self, control: float) -> Drive:
         """Return the drive of the joint at a control, including its own spring and damper, for ``Joint.set_drive``.
 
+        Parameters
+        ----------
+        control : float
+            Clamped to `control_range`.
+
+        Returns
+        -------
+        Drive
+
         Raises
         ------
         ArgumentError
@@ -74,7 +83,17 @@ class Actuator:
         return Drive(stiffness=total, damping=rate, target=pull / total, maximum=self.maximum)
 
     def effort(self, control: float) -> float:
-        """Return the force or torque of a motor at a control, within its range, for ``Joint.apply_effort``; N or N m.
+        """Return the force or torque of a motor at a control, for ``Joint.apply_effort``.
+
+        Parameters
+        ----------
+        control : float
+            Clamped to `control_range`.
+
+        Returns
+        -------
+        float
+            N or N m, clamped to `force_range`.
 
         Raises
         ------

@@ -152,6 +152,14 @@ class AddsBodies:
     def body(self, name: str) -> Body:
         """Return the body with a name.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        Body
+
         Raises
         ------
         UnknownNameError
@@ -170,6 +178,10 @@ class AddsBodies:
     @undivided
     def remove(self, body: Body) -> None:
         """Remove a body with its shapes and joints, and release cloth pinned to it; its row is reused.
+
+        Parameters
+        ----------
+        body : Body
 
         Raises
         ------

@@ -40,7 +40,7 @@ _FEW = 4096  # size of removed geometry up to which the rest is not compacted
 
 @dataclass(frozen=True)
 class Surface:
-    """The contact properties of a shape, and the layers it collides with.
+    """The contact properties of a shape, and the layers it collides with: options of `World.add_body` and `kickdrift.Part`.
 
     Attributes
     ----------

@@ -132,6 +132,14 @@ class AddsCloths(AddsDeformables):
     def cloth(self, name: str) -> Cloth:
         """Return the cloth with a name.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        Cloth
+
         Raises
         ------
         UnknownNameError

@@ -30,6 +30,10 @@ class AddsDeformables:
     def remove_cloth(self, cloth: Deformable) -> None:
         """Remove a cloth, a rope or a soft body, and wake everything. Indices of those that were added later decrease by one.
 
+        Parameters
+        ----------
+        cloth : Cloth, Rope or SoftBody
+
         Raises
         ------
         ArgumentError

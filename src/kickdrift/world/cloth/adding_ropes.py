@@ -71,6 +71,14 @@ class AddsRopes(AddsDeformables):
     def rope(self, name: str) -> Rope:
         """Return the rope with a name.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        Rope
+
         Raises
         ------
         UnknownNameError

@@ -146,6 +146,14 @@ class AddsSoftBodies(AddsDeformables):
     def soft_body(self, name: str) -> SoftBody:
         """Return the soft body with a name.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        SoftBody
+
         Raises
         ------
         UnknownNameError

@@ -97,11 +97,31 @@ class Deformable(Handle):
         ------
         ArgumentError
             For vertices that do not exist, and for a removed body.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> sheet = world.add_cloth_grid(size=(1.0, 1.0), vertices=(5, 5), position=(0, 0, 2))
+        >>> cart = world.add_box(
+        ...     (0.1, 0.1, 0.1), position=(-0.5, -0.5, 2), velocity=(0.5, 0, 0), kinematic=True
+        ... )
+        >>> sheet.pin([0], cart)
+        >>> sheet.pin([4])
+        >>> world.advance(1 / 60, 60)
+        >>> sheet.position[[0, 4]].round(3) + 0.0
+        array([[ 0. , -0.5,  2. ],
+               [-0.5,  0.5,  2. ]])
         """
         self._cloths.pin(self, vertices, body)
 
     def unpin(self, vertices: ArrayLike) -> None:
         """Release pinned vertices; others are not affected.
+
+        Parameters
+        ----------
+        vertices : array_like of int
+            Their indices.
 
         Raises
         ------

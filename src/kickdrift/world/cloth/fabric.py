@@ -14,7 +14,7 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Fabric:
-    """The material parameters of a cloth.
+    """The material parameters of a cloth: the options of `World.add_cloth`.
 
     Attributes
     ----------

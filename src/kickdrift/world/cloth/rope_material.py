@@ -13,7 +13,7 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class RopeMaterial:
-    """The material parameters of a rope.
+    """The material parameters of a rope: the options of `World.add_rope`.
 
     Attributes
     ----------

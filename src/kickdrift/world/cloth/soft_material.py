@@ -23,7 +23,7 @@ def lame(young: Any, poisson: Any) -> tuple[Any, Any]:
 
 @dataclass(frozen=True)
 class SoftMaterial:
-    """The material parameters of a soft body.
+    """The material parameters of a soft body: the options of `World.add_soft_body`.
 
     Attributes
     ----------

@@ -45,7 +45,7 @@ class RayHit(NamedTuple):
     Attributes
     ----------
     shape : int
-        Row of the shape.
+        Row of the shape, which distinguishes the shapes of a compound body.
     body : Body
         The body of the shape.
     distance : float

@@ -86,7 +86,7 @@ class AddsJoints:
     joints: Joints
 
     def add_joint(self, body_a: Body | None, body_b: Body | None, record: Record) -> Joint:
-        """Join two bodies in their current poses.
+        """Join two bodies by a joint whose kind and parameters are a value; `add_hinge` and the like do so for each kind.
 
         Angles, positions, motors, drives and limits are those of b relative to a. If only one of the two is dynamic, they are
         those of the dynamic one relative to the other, whichever is named first.
@@ -96,8 +96,9 @@ class AddsJoints:
         body_a, body_b : Body
             None is the ground.
         record : Record
-            A kind of joint with its parameters: one of `kickdrift.world.joints.catalogue.KINDS`. `add_hinge` and the like
-            do the same for each kind.
+            A kind of joint with its parameters: ``Ball``, ``Hinge``, ``Slider``, ``Fixed``, ``Universal``, ``SixDof``,
+            ``Distance``, ``Rope`` or ``Spring`` of ``kickdrift.world.joints.catalogue``. The parameters are those of
+            `add_hinge` and the like after the bodies. For a gear use `add_gear`.
 
         Returns
         -------
@@ -107,12 +108,12 @@ class AddsJoints:
         Raises
         ------
         ArgumentError
-            For a body with itself, removed bodies, bodies of which none is dynamic, and invalid parameters of the record.
+            For a body with itself, removed bodies, bodies of which none is dynamic, a gear, and invalid parameters.
 
         Examples
         --------
-        >>> from kickdrift.world.joints.hinge import Hinge
         >>> import kickdrift as kd
+        >>> from kickdrift.world.joints.catalogue import Hinge
         >>> world = kd.World()
         >>> door = world.add_box((1, 0.1, 2), position=(0.5, 0, 1), mass=20.0)
         >>> hinge = world.add_joint(None, door, Hinge(anchor=(0, 0, 1), axis=(0, 0, 1)))
@@ -140,6 +141,14 @@ class AddsJoints:
     def joint(self, name: str) -> Joint:
         """Return the joint with a name.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        Joint
+
         Raises
         ------
         UnknownNameError
@@ -158,6 +167,10 @@ class AddsJoints:
 
     def remove_joint(self, joint: Joint) -> None:
         """Remove a joint.
+
+        Parameters
+        ----------
+        joint : Joint
 
         Raises
         ------

@@ -31,7 +31,7 @@ class Gear(Record):
         it is in m/rad: the radius of a pinion on a rack, or the pitch of a screw over 2 pi.
     axis_a, axis_b : int, optional
         The coupled axes: 0-2 linear, 3-5 angular; by default the axis of a hinge or a slider. Joint b may be joint a, with
-        another axis: a cylindrical joint (`SixDof`) becomes a screw.
+        another axis: a cylindrical joint (of `World.add_six_dof_joint`) becomes a screw.
 
     Raises
     ------

@@ -228,6 +228,15 @@ class Joint(HasLaws):
     def axis(self, axis: int | None = None) -> int:
         """Return the index of an axis, by default that of the one open axis.
 
+        Parameters
+        ----------
+        axis : int, optional
+            0-2 linear, 3-5 angular.
+
+        Returns
+        -------
+        int
+
         Raises
         ------
         ArgumentError

@@ -21,25 +21,78 @@ class HasLaws(Handle):
     _joints: Joints
 
     def motor(self, axis: int | None = None) -> Motor | None:
-        """Return the motor of an axis, or None; axes are as in `Joint.apply_effort`."""
+        """Return the motor of an axis.
+
+        Parameters
+        ----------
+        axis : int, optional
+            0-2 linear, 3-5 angular; the one open axis by default.
+
+        Returns
+        -------
+        Motor or None
+        """
         found: Motor | None = self._joints.law(self, axis, "motor")
         return found
 
     def drive(self, axis: int | None = None) -> Drive | None:
-        """Return the drive of an axis, or None, in terms of stiffness and damping even if it was set by its frequency.
+        """Return the drive of an axis.
 
-        Change a part of it with ``joint.set_drive(dataclasses.replace(joint.drive(), target=0.5))``.
+        Parameters
+        ----------
+        axis : int, optional
+            0-2 linear, 3-5 angular; the one open axis by default.
+
+        Returns
+        -------
+        Drive or None
+            With stiffness and damping, even if it was set by its frequency.
+
+        Examples
+        --------
+        To change a part of it:
+
+        >>> from dataclasses import replace
+        >>> import kickdrift as kd
+        >>> world = kd.World()
+        >>> block, spring = world.add_box((1, 1, 1), mass=1.0), kd.Drive(stiffness=100.0)
+        >>> slider = world.add_slider(None, block, (0, 0, 0), axis=(1, 0, 0), drive=spring)
+        >>> slider.set_drive(replace(slider.drive(), target=0.5))
+        >>> slider.drive().target
+        0.5
         """
         found: Drive | None = self._joints.law(self, axis, "drive")
         return found
 
     def limits(self, axis: int | None = None) -> tuple[float, float] | None:
-        """Return the limits of an axis, m or rad, or None."""
+        """Return the limits of an axis.
+
+        Parameters
+        ----------
+        axis : int, optional
+            0-2 linear, 3-5 angular; the one open axis by default.
+
+        Returns
+        -------
+        (2,) tuple of float, or None
+            m or rad.
+        """
         found: tuple[float, float] | None = self._joints.law(self, axis, "limits")
         return found
 
     def friction(self, axis: int | None = None) -> float:
-        """Return the dry friction of an axis, N or N m."""
+        """Return the dry friction of an axis.
+
+        Parameters
+        ----------
+        axis : int, optional
+            0-2 linear, 3-5 angular; the one open axis by default.
+
+        Returns
+        -------
+        float
+            N or N m.
+        """
         found: float = self._joints.law(self, axis, "friction")
         return found
 

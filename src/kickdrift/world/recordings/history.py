@@ -180,6 +180,10 @@ class KeepsHistory:
     def snapshot(self) -> Snapshot:
         """Return a copy of the state of the world, for `restore`.
 
+        Returns
+        -------
+        Snapshot
+
         Examples
         --------
         >>> import kickdrift as kd
@@ -223,7 +227,17 @@ class KeepsHistory:
         restore(self._world, snapshot)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything that the next steps depend on to a file for `kickdrift.load_world`; returns its path.
+        """Write everything that the next steps depend on to a file for `kickdrift.load_world`.
+
+        Parameters
+        ----------
+        path : path
+            A suffix ``.npz`` is added if it is missing.
+
+        Returns
+        -------
+        Path
+            Of the file.
 
         Raises
         ------

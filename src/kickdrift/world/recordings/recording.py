@@ -18,10 +18,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Recording(Solution):
-    """The motion of a world: a solution in which row n of x and v is body n, and row 0 the ground.
+    """The motion of a world: a `Solution` in which row n of x and v is body n, and row 0 the ground.
 
     Attributes
     ----------
+    t : (T,) array
+        Times kept, s.
+    x, v : (T, N, 3) array
+        Centres of mass, m, and their velocities, m/s.
     orientation : (T, N, 4) array
         Quaternions (w, x, y, z) that turn the bodies' axes into the world's.
     angular_velocity : (T, N, 3) array
@@ -33,11 +37,17 @@ class Recording(Solution):
         ``contact_points=True`` was given to `World.run` or `World.record`.
     appearance : Appearance
         Shapes, joints and cloths, for drawing.
+    invariants : mapping of str to array
+        "energy", J, (T,); "momentum", kg m/s, and "angular momentum", kg m^2/s, (T, 3).
+    derived : mapping of str to array
+        Each (T,): "kinetic energy" and "potential energy", J; "overlap", the largest penetration of bodies in contact, and
+        "joint gap", the largest error of the distance that a joint holds, m; and "residual", `World.residual`, m/s.
 
     Notes
     -----
-    `derived` has "kinetic energy" and "potential energy", J; "overlap", the largest penetration of bodies in contact, and
-    "joint gap", the largest error of the distance that a joint holds, m; and "residual", `World.residual`, m/s.
+    The other attributes, such as `status` and `n_steps`, are those of `Solution`. A world has no events, error estimates and
+    multipliers; q and y are x, and p is v, as in every solution. `continue_to`, `return_to` and ``recording(t)`` raise errors:
+    only the world can go on, and its states are known only at its steps.
 
     Examples
     --------
@@ -73,6 +83,10 @@ class Recording(Solution):
     def continue_to(self, t: float) -> Solution:
         """Refuse, since only the world can be continued.
 
+        Parameters
+        ----------
+        t : float
+
         Raises
         ------
         KickdriftError
@@ -95,6 +109,10 @@ class Recording(Solution):
 
     def return_to(self, t: float) -> Solution:
         """Refuse, since the steps of a world are not reversible.
+
+        Parameters
+        ----------
+        t : float
 
         Raises
         ------
@@ -129,6 +147,14 @@ class Recording(Solution):
     def row(self, name: str) -> int:
         """Return the row of the body with a name, as in ``recording.x[:, recording.row("ball")]``.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        int
+
         Raises
         ------
         UnknownNameError
@@ -148,12 +174,17 @@ class Recording(Solution):
         return rows[name]
 
     def cloth(self, which: str | int = 0) -> Floats:
-        """Return the positions of the vertices of a cloth, a rope or a soft body, (T, N, 3), m.
+        """Return the positions of the vertices of a cloth, a rope or a soft body.
 
         Parameters
         ----------
         which : str or int
             Its name, or its index among all of them in the world.
+
+        Returns
+        -------
+        (T, N, 3) array
+            m.
 
         Raises
         ------
@@ -232,6 +263,10 @@ class Recording(Solution):
             Frames per second, at most 50.
         progress : bool, optional
             Whether to show a progress bar; by default on a terminal, if it takes more than two seconds.
+
+        Returns
+        -------
+        Path
 
         Raises
         ------

@@ -99,6 +99,11 @@ class Box:
     def mass_properties(self) -> MassProperties:
         """Return the mass properties at unit density.
 
+        Returns
+        -------
+        MassProperties
+            Volume, centre of mass and inertia.
+
         Examples
         --------
         >>> import kickdrift as kd

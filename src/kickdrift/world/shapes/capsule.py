@@ -92,6 +92,11 @@ class Capsule:
     def mass_properties(self) -> MassProperties:
         """Return the mass properties at unit density.
 
+        Returns
+        -------
+        MassProperties
+            Volume, centre of mass and inertia.
+
         Notes
         -----
         A hemisphere has its centre of mass at 3/8 of its radius from its flat side, and a moment of inertia of 83/320 m r^2

@@ -65,6 +65,11 @@ class Cylinder:
     def mass_properties(self) -> MassProperties:
         """Return the mass properties at unit density.
 
+        Returns
+        -------
+        MassProperties
+            Volume, centre of mass and inertia.
+
         Examples
         --------
         >>> import kickdrift as kd

@@ -124,6 +124,11 @@ class Hull:
     def mass_properties(self) -> MassProperties:
         """Return the mass properties at unit density.
 
+        Returns
+        -------
+        MassProperties
+            Volume, centre of mass and inertia.
+
         Notes
         -----
         The sum over tetrahedra between the mean of the corners and the triangles of the faces. The second moments of a

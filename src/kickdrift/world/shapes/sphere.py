@@ -75,6 +75,11 @@ class Sphere:
     def mass_properties(self) -> MassProperties:
         """Return the mass properties at unit density.
 
+        Returns
+        -------
+        MassProperties
+            Volume, centre of mass and inertia.
+
         Examples
         --------
         >>> import kickdrift as kd
