@@ -51,6 +51,13 @@ def test_tangents_of_orbits_are_symplectic_and_their_chains_multiply():
     assert np.allclose(next_ @ one, both, rtol=0, atol=1e-9)
 
 
+def test_tangents_of_a_whole_orbit_are_symplectic():
+    omega = np.kron([[0, 1], [-1, 0]], np.eye(2))
+    whole = analysis.tangent_map(KEPLER, "velocity-verlet", 2 * math.pi / 300, n_steps=300)
+    assert np.abs(whole).max() > 10
+    assert np.abs(whole.T @ omega @ whole - omega).max() < 1e-9
+
+
 def test_tangents_solve_the_variational_equations():
     x0, v0 = start(-0.25)
 

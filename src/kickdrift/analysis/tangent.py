@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -52,8 +53,8 @@ def tangent_map(
 ) -> Floats:
     """Return the derivative of steps of a method with respect to the initial state.
 
-    It is the derivative of the method, not of the equations, by central differences of order six of the steps themselves.
-    Applied to a small difference of states, it gives the difference after the steps; for symplectic methods and unit masses
+    It is the derivative of the method, not of the equations: the product of the derivatives of the single steps, each by
+    central differences of order six. Applied to a small difference of states, it gives the difference after the steps; for symplectic methods and unit masses
     it is symplectic.
 
     Parameters
@@ -69,9 +70,8 @@ def tangent_map(
     t : float
         The initial time, for forces that depend on it.
     increment : float
-        Of the differences: in x relative to the largest component of x, or of v times the duration of the steps if that is
-        larger; in v that over the duration. Over many steps, a smaller increment has a smaller error: over a Kepler orbit of
-        eccentricity 0.3, the determinant, which is 1, comes out as 0.28, and with 1e-4 as 1 - 2e-7.
+        Of the differences: in x relative to the largest component of x, or of v times the step if that is larger; in v that
+        over the step.
 
     Returns
     -------
@@ -99,8 +99,12 @@ def tangent_map(
     if not isinstance(n_steps, int) or n_steps < 1:
         raise ArgumentError(f"n_steps={n_steps!r} must be a whole number of at least 1.")
     steps = Steps(problem, method, step, *(at if at is not None else (None, None)), t=t, args=args, compile_=compile)
-    increments = increment * scales_of(steps.x0, steps.v0, n_steps * step)
-    return jacobian(lambda rows: steps.advance(t, rows, n_steps), steps.start, increments)
+    matrix, state, size = np.eye(steps.start.size), steps.start, steps.x0.size
+    for k in range(n_steps):
+        image = partial(steps.advance, t + k * step, count=1)
+        matrix = jacobian(image, state, increment * scales_of(state[:size], state[size:], step)) @ matrix
+        state = image(state[None])[0]
+    return matrix
 
 
 class Steps:
