@@ -54,8 +54,8 @@ def tangent_map(
     """Return the derivative of steps of a method with respect to the initial state.
 
     It is the derivative of the method, not of the equations: the product of the derivatives of the single steps, each by
-    central differences of order six. Applied to a small difference of states, it gives the difference after the steps; for symplectic methods and unit masses
-    it is symplectic.
+    central differences of order six. Applied to a small difference of states, it gives the difference after the steps; for
+    symplectic methods and unit masses it is symplectic.
 
     Parameters
     ----------
