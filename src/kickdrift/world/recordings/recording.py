@@ -39,6 +39,8 @@ class Recording(Solution):
     `derived` has "kinetic energy" and "potential energy", J; "overlap", the largest penetration of bodies in contact, and
     "joint gap", the largest error of the distance that a joint holds, m; and "residual", `World.residual`, m/s.
 
+    `wall_time` includes compilation if the run was the first to need some code.
+
     Examples
     --------
     >>> import kickdrift as kd
