@@ -1,4 +1,4 @@
-"""The semi-implicit Euler method, whole, in NumPy: a planet on an ellipse.
+"""The whole semi-implicit Euler method in NumPy: a planet on an ellipse.
 
     v += h * a(t, x, v)        a kick
     x += h * v                 a drift

@@ -21,7 +21,7 @@ from kickdrift.scenes import worlds
 pytestmark = pytest.mark.skipif(
     chromium.PATH is None, reason=f"there is no browser here: none of {', '.join(chromium.NAMES)}"
 )
-PLAYING = "of real time"
+PLAYING = "times real time"
 NOW = "document.querySelector('[role=slider]')?.getAttribute('aria-valuenow')"  # where the time line is
 
 
@@ -97,7 +97,7 @@ def test_the_mouse_moves_sliders_and_a_reset_moves_those_of_the_world_back(brows
         tab.until(lambda tab: PLAYING in tab.text, "the world to run")
         assert shown(tab) == ["1", "4"], "speed and substeps"
         slide(tab, 0, 1.0)
-        tab.until(lambda tab: re.search(r"[234]\.\d\d of real time", tab.text), "four times real time, if it can")
+        tab.until(lambda tab: re.search(r"[234]\.\d\d times real time", tab.text), "four times real time, if it can")
         slide(tab, 1, 0.0)
         until(lambda: world.substeps == 1, "a single substep")
         tab.run("[...document.querySelectorAll('input[type=checkbox]')].at(-1).click()")

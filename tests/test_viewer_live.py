@@ -73,7 +73,7 @@ def test_it_plays_in_real_time_and_pauses():
         lives.catch_up(1.0)
     assert lives.world.time == 1.0
     assert lives.reached == pytest.approx(1.0, abs=0.02)
-    assert lives.words() == "t = 1.00 s, 1.00 of real time"
+    assert lives.words() == "t = 1.00 s, 1.00 times real time"
     lives.pause()
     clock.now += 10.0
     lives.catch_up(1.0)
@@ -104,7 +104,7 @@ def test_slow_steps_are_done_as_they_can_and_said_so():
         clock.now += 1e-4
         lives.catch_up(1 / 60)
     assert 0.7 < lives.reached < 0.81
-    assert f"{lives.reached:.2f} of real time" in lives.words()
+    assert f"{lives.reached:.2f} times real time" in lives.words()
     # What is due and left out is not made up for, once steps are faster.
     before = lives.world.time
     lives._do_step = lambda: lives.world.step(STEP)
@@ -408,7 +408,7 @@ def test_the_page_plays_pauses_steps_and_resets(page, capsys):
         until(lambda: abs(shown["batched_positions"][2] - 50.0) < 0.01, "the ball to be shown")
         browser.press("Play")
         until(lambda: world.time > 0.1, "the world to run")
-        until(lambda: "of real time" in browser.words, "its pace")
+        until(lambda: "times real time" in browser.words, "its pace")
     with Browser(page.url) as browser:  # the page was reloaded
         until(lambda: "Pause" in {m["props"].get("label") for m in browser.gui.values()}, "the controls")
         until(lambda: "/sphere_0" in browser.nodes and "/box_1" in browser.nodes, "the bodies")
@@ -459,7 +459,7 @@ def test_sliders_set_targets_and_settings_and_go_back(page):
         until(lambda: world.sleeping, "sleep")
         browser.set("Speed", 0.5)
         time.sleep(1.5)
-        until(lambda: re.search(r"0\.[45]\d of real time", browser.words), "half of real time")
+        until(lambda: re.search(r"0\.[45]\d times real time", browser.words), "half of real time")
         browser.press("Reset")
         until(lambda: elbow.drive().target == 0.3 and world.gravity[2] == -9.81, "the reset")
         shown = {"elbow": 0.3, "Substeps": 4, "Sleeping": False, "Speed": 0.5}
@@ -548,7 +548,7 @@ def test_two_worlds_have_a_page_each_and_a_port_that_is_taken_is_refused(page):
         world.view(STEP, port=port)
     with world.view(STEP, port=0) as second, Browser(second.url) as browser:
         assert second.url != first.url
-        until(lambda: world.time > 0.1 and "of real time" in browser.words, "the second world to run")
+        until(lambda: world.time > 0.1 and "times real time" in browser.words, "the second world to run")
 
 
 def test_what_cannot_be_seen_is_refused(monkeypatch):

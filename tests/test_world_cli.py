@@ -41,7 +41,7 @@ def test_a_scene_is_run_reported_kept_drawn_and_filmed(folder):
     # Thrown upwards at 5 m/s from the floor; free flight is exact.
     assert kept.x[-1, 2, 2] == pytest.approx(0.1 + 5 * 0.5 - 0.5 * 9.81 * 0.25, rel=1e-13)
     assert kept.report() in result.stdout
-    for fact in ("wall time", "x real time", "energy", "momentum", "outcome", "written: "):
+    for fact in ("wall time", "times real time", "energy", "momentum", "outcome", "written: "):
         assert fact in result.stdout
     with Image.open(output / "bouncing-disk.gif") as film:
         assert film.n_frames == 13

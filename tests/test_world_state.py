@@ -683,7 +683,7 @@ def test_the_report_says_how_fast_and_what_became_of_the_energy(rolled):
     facts = {name: value.strip() for name, value in lines.items()}
     assert facts["bodies"] == "6 that move, 7 shapes"
     assert facts["span"] == "0 to 0.5 s"
-    assert "x real time" in facts["wall time"]
+    assert "times real time" in facts["wall time"]
     assert facts["energy"].startswith(f"{recording.energy[0]:.6g} to {recording.energy[-1]:.6g} J")
     assert facts["outcome"] == "The end of the duration was reached."
 

@@ -25,7 +25,7 @@ for number, angle in enumerate(starts):
     left.plot(x[-60:], y[-60:], linewidth=1, color=plt.cm.viridis(number / 10))
     right.plot(sol.t, y, linewidth=0.9, color=plt.cm.viridis(number / 10))
     ends.append(np.array([x, y]).T)
-left.set(aspect="equal", title="the last 0.3 s", xlabel="x (m)", ylabel="z (m)")
+left.set(aspect="equal", title="lower masses, last 0.3 s", xlabel="x (m)", ylabel="z (m)")
 right.set(xlabel="time (s)", ylabel="height of the lower mass (m)")
 apart = np.ptp(np.array(ends), axis=0).max(axis=1)
 print(f"1 cm apart after {sol.t[(apart > 0.01).argmax()]:.1f} s, 1 m after {sol.t[(apart > 1).argmax()]:.1f} s")

@@ -5,7 +5,7 @@ The catenary
 A chain of 40 links hangs between two points at the same height.
 
 Galileo likened it to a parabola; it is a hyperbolic cosine (Huygens, Leibniz, Johann Bernoulli 1691), :math:`y = a \\cosh
-(x / a)`. The links are damped a little, so that the chain comes to rest; it lies on the curve to two millimetres.
+(x / a)`. The links are damped a little, so that the chain comes to rest; it follows the curve to within two millimetres.
 """
 
 import matplotlib.pyplot as plt

@@ -28,7 +28,7 @@ ax.axhline(1.0, color="grey", linewidth=0.8, label="the mat at rest")
 ax.set(xlabel="time (s)", ylabel="height (m)")
 ax.legend()
 print(
-    f"deepest point of the mat {recording.cloth('mat')[:, :, 2].min():.2f} m; "
+    f"the mat is pushed down to a height of {recording.cloth('mat')[:, :, 2].min():.2f} m; "
     f"the balls come up to {recording.x[recording.t > 0.8, large.index, 2].max():.2f} and "
     f"{recording.x[recording.t > 0.8, small.index, 2].max():.2f} m"
 )

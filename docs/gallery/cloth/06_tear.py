@@ -3,7 +3,7 @@ A ball through a sheet
 ======================
 
 A ball of 2 kg flies at 8 m/s into a sheet that tears where it is stretched by a quarter of its length. The tear begins where
-the ball hits, and runs to both sides, perpendicular to the tension between the bars that hold the sheet above and below.
+the ball hits, and runs to both sides, perpendicular to the tension between the upper and the lower edge, which are fixed.
 """
 
 import numpy as np

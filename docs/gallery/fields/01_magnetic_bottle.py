@@ -7,7 +7,7 @@ Where field lines converge, charges that spiral along them turn around, as in a 
 The magnetic moment :math:`\\mu = \\frac{v_\\perp^2}{2 B}` per unit of mass is conserved, and so the charge turns around
 where its velocity is perpendicular to the field: at :math:`B = \\frac{v^2}{2 \\mu}`. On the axis the field is
 :math:`B = 1 + z^2`, and with 0.3 along the field and 0.5 across it in the middle, the ion turns near
-:math:`z = 0.3 / 0.5 = 0.6`. The moment is conserved to 1 %, as the field changes a little during a turn. Boris' method
+:math:`z = 0.3 / 0.5 = 0.6`. The moment is conserved to 1 %, since the field changes a little during one gyration. Boris' method
 conserves the speed to rounding error.
 """
 

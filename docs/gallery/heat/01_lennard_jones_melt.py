@@ -2,10 +2,10 @@
 A crystal melts
 ===============
 
-A hundred atoms in a plane attract and repel each other by the potential of Lennard-Jones, :math:`4 (r^{-12} - r^{-6})`, in a
-box with walls. They begin in a hexagonal crystal, which Langevin dynamics keeps at a temperature. At 0.2 nearly all neighbours
-stay neighbours; at 0.6 the crystal melts, and only a tenth of them do. Colours are the rows at the start. (Units are the
-potential's depth and range; two-dimensional crystals of these atoms melt near 0.4.)
+A hundred atoms in a plane interact through the Lennard-Jones potential, :math:`4 (r^{-12} - r^{-6})`, in a box
+with walls. They begin in a hexagonal crystal, which Langevin dynamics keeps at a given temperature. At 0.2 nearly all
+neighbours stay neighbours; at 0.6 the crystal melts, and only a tenth of them do. Colours show the rows at the start. (Units
+are the potential's depth and range; two-dimensional crystals of these atoms melt near 0.4.)
 """
 
 import matplotlib.pyplot as plt

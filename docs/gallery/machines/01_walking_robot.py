@@ -3,7 +3,7 @@ A walking robot
 ===============
 
 A trunk and four legs, each with a hip and a knee, driven by springs with dampers whose targets oscillate. Diagonally opposite
-legs step together: a trot of 2.5 strides per second. No feedback keeps its balance.
+legs step together: a trot of 2.5 strides per second. It keeps its balance without feedback.
 """
 
 import numpy as np

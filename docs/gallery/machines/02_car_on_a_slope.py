@@ -4,8 +4,8 @@ A car on a slope
 
 A car of one tonne with front-wheel drive, on a slope of 15 degrees.
 
-On dry asphalt (friction 0.9) it climbs; on wet leaves (0.35) the front wheels spin, and it rolls back, as in the picture: they
-carry less than half of the weight, and :math:`\\tan 15° = 0.27` is more than half of 0.35.
+On dry asphalt (friction 0.9) it climbs. On wet leaves (0.35) the front wheels spin, and it rolls back, as the second picture
+shows: the front wheels carry less than half of the weight, and :math:`\\tan 15° = 0.27` is more than half of 0.35.
 """
 
 import matplotlib.pyplot as plt

@@ -4,7 +4,7 @@ Crank, rod and piston
 
 A flywheel turns a crank, whose rod pushes a piston to and fro: a closed loop of four joints, which are solved simultaneously.
 
-The piston follows :math:`x = r \\cos \\varphi + \\sqrt{l^2 - r^2 \\sin^2 \\varphi}` to rounding error, and without
+The piston follows :math:`x = r \\cos \\varphi + \\sqrt{l^2 - r^2 \\sin^2 \\varphi}` to a few picometres, and without
 friction the energy is conserved to a millionth.
 """
 

@@ -2,9 +2,9 @@
 What becomes of an area
 =======================
 
-A disk of states of a pendulum, by angle and angular velocity: blue at the start, orange and green after 4 and 8 units of
-time. The exact motion stretches it and conserves its area. So do the semi-implicit Euler method and Verlet's, step by step;
-the explicit method enlarges it, and the implicit one shrinks it.
+A disk of states of a pendulum, in the plane of angle and angular velocity: blue at the start, orange and green after 4 and 8
+units of time. The exact motion stretches it and conserves its area. So do the semi-implicit Euler method and Verlet's, step
+by step; the explicit method enlarges it, and the implicit one shrinks it.
 """
 
 import matplotlib.pyplot as plt

@@ -3,7 +3,7 @@ Where methods are stable
 ========================
 
 Applied to :math:`y' = \\lambda y`, a Runge-Kutta method multiplies y in each step by a number :math:`R(h \\lambda)`. Where its
-modulus is at most one (blue), nothing grows. The regions of explicit methods are bounded, that of the implicit midpoint
+modulus is at most one (blue), nothing grows. The regions of explicit methods are bounded; that of the implicit midpoint
 rule is exactly the left half of the plane. For implicit Euler and Radau, R also tends to zero on the far left: what decays
 too fast for the step to resolve is damped.
 """

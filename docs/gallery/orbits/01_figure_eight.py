@@ -3,8 +3,8 @@ The figure eight
 ================
 
 Three equal masses chase each other along one curve. The orbit was found by Moore (1993) and proved to exist by Chenciner and
-Montgomery (2000); the start is Simó's, to fourteen digits. It is stable, so that even after a hundred periods nothing has
-visibly moved: the hundredth period, a black line below the coloured ones of the first, does not show.
+Montgomery (2000); the initial values are Simó's, to fourteen digits. It is stable, so that even after a hundred periods
+nothing has visibly moved: the hundredth period, a black line below the coloured ones of the first, does not show.
 """
 
 import matplotlib.pyplot as plt

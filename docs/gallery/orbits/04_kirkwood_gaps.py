@@ -4,7 +4,7 @@ Kirkwood's gaps
 
 There are few asteroids whose period is 1/3, 2/5, 3/7 or 1/2 of Jupiter's (Kirkwood 1866). Here are 400 asteroids without
 mass, the Sun and Jupiter, over 20,000 years, a hundred thousand steps. All began on circles. From 2.6 to 3.1 au, away from
-the resonances, their eccentricity stays at 0.06 to 0.08; at three of them it has begun to grow: to 0.12 at 3:1, 0.21 at 5:2 and
+the resonances, their eccentricity does not exceed 0.08; at three of them it has begun to grow: to 0.12 at 3:1, 0.21 at 5:2 and
 0.34 just outside 2:1. In a million years asteroids at 3:1 come to cross the orbit of Mars, and that is how this gap was
 emptied (Wisdom 1982).
 """

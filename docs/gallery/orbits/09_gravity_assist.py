@@ -27,7 +27,7 @@ flight = kd.systems.nbody([1.0, mass, 0.0], [[0, 0, 0], planet[0], probe[0]], [[
 options = {"rtol": 1e-11, "atol": 1e-11, "method": "dop853"}
 halves = [kd.solve(flight, (0.0, end), t_eval=np.linspace(0, end, 2001), **options) for end in (-1.6, 2.5)]
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4), layout="constrained")
+fig, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="constrained", width_ratios=(1, 1.9))
 for half, name in zip(halves, ("before", "after"), strict=True):
     way, rate = half.x[:, 2] - half.x[:, 0], half.v[:, 2] - half.v[:, 0]
     left.plot(*way[:, :2].T, label=name)

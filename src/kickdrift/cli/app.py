@@ -101,7 +101,8 @@ def run(
     ] = None,
     film: Annotated[bool, typer.Option("--film", help="Also write an animation of a scene, <scene>.gif.")] = False,
     contacts: Annotated[
-        bool, typer.Option("--contacts", help="Show the points at which bodies press on each other, too.")
+        bool,
+        typer.Option("--contacts", help="On the page of a scene, show the points at which bodies press on each other."),
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
 ) -> None:
@@ -152,9 +153,9 @@ def view(
     raise typer.Exit(do(target, step, port))
 
 
-@app.command("compile", help=help_texts.COMPILE, short_help="Compile in advance the code that runs need.")
+@app.command("compile", help=help_texts.COMPILE, short_help="Compile code in advance, so that runs start at once.")
 def compile_(quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False) -> None:
-    """Compile in advance the code that runs need."""
+    """Compile code in advance, so that runs start at once."""
     from kickdrift.cli.compiling import compile_all
 
     raise typer.Exit(compile_all(quiet))

@@ -43,7 +43,7 @@ KICKDRIFT = """Structure-preserving integration for mechanics.
   kickdrift view ragdolls         a world live in the browser, where the mouse pulls bodies
   kickdrift compare kepler        Euler's methods and Stoermer-Verlet side by side
   kickdrift list methods
-  kickdrift compile               compile in advance the code that runs need
+  kickdrift compile               compile code in advance, so that runs start at once
 
 Exit codes: 0 success, 2 invalid input, 3 failed run, 130 interrupted.
 """
@@ -56,7 +56,7 @@ def _literal(text: str) -> str:
 RUN = f"""Run a system or a scene, report on it, and write <name>.npz and <name>.png.
 
 The solar system runs for 100 years by default, and is compared with the positions of JPL's DE421 at times up to ten years
-after J2000. Ctrl-C ends a run early, and the states up to there are written. With --checkpoint the same command resumes an
+after J2000. Ctrl-C ends a run early, and the states up to that time are written. With --checkpoint the same command resumes an
 interrupted run, even if the process was killed. With --save-to the states are written to disk during the run, where
 xarray can read them, and the other files are not written.
 

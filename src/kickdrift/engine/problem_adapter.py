@@ -169,7 +169,9 @@ class Adapter(NamedTuple):
         except KickdriftError:
             raise
         except IndexError as error:
-            number = "" if self.x0.shape else " x is one number: give x0 as a list, of an ensemble one list per member."
+            number = (
+                "" if self.x0.shape else " x is one number: give x0 as a list, in an ensemble as one list per member."
+            )
             raise ArgumentError(
                 f"{name()} has an index out of bounds at the start, x0 of shape {self.x0.shape} with"
                 f" {self.users_args.size} args: IndexError: {str(error).rstrip('.')}.{number} Pass the numbers of params as"

@@ -206,7 +206,7 @@ class LocalError:
 
     method: ClassVar[str] = "auto"  # where none is named
     order: ClassVar[int | None] = None
-    conserves: ClassVar[str] = "nothing exactly: the energy drifts with the errors"
+    conserves: ClassVar[str] = "conserves nothing exactly; the energy drifts"
 
     @staticmethod
     def spelled(spell: Spell, word: Word) -> Spelled:

@@ -257,7 +257,7 @@ def _warn_interpreted(function: Function, error: Exception) -> None:
     )
     warnings.warn(
         f"{name_of(getattr(function, 'py_func', function))} runs interpreted, about a hundred times slower, because"
-        f" Numba {numba.__version__} cannot compile it: {reason} Use only NumPy and math functions and numbers passed"
+        f" Numba {numba.__version__} cannot compile it ({reason}). Use only NumPy and math functions and numbers passed"
         " as args=(...), or pass compile=False to run it interpreted without this warning.",
         InterpretedWarning,
         stacklevel=depth_of_caller(),

@@ -24,7 +24,7 @@ def report(recording: Recording) -> str:
     if recording.n_steps:
         per_step = seconds / recording.n_steps * 1e3
         rows.append(
-            ("wall time", f"{seconds:.3g} s, {per_step:.3g} ms per step, {simulated / seconds:.3g} x real time")
+            ("wall time", f"{seconds:.3g} s, {per_step:.3g} ms per step, {simulated / seconds:.3g} times real time")
         )
     rows.append(("energy", _change(recording.energy, "J")))
     rows += [(name, _change(recording.derived[name], "J")) for name in ("kinetic energy", "potential energy")]

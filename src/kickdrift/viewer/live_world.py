@@ -136,10 +136,10 @@ class LiveWorld:
             return State(world.position.copy(), world.orientation.copy(), particles)
 
     def words(self) -> str:
-        """Return the time, and how much of real time is reached."""
+        """Return the time, and the multiple of real time that is reached."""
         if self.trouble:
             return self.trouble
-        pace = "paused" if not self.playing else "" if self.reached is None else f"{self.reached:.2f} of real time"
+        pace = "paused" if not self.playing else "" if self.reached is None else f"{self.reached:.2f} times real time"
         return f"t = {self.world.time:.2f} s" + (f", {pace}" if pace else "")
 
     def _do_step(self) -> None:

@@ -49,6 +49,8 @@ class Recording(Solution):
     multipliers; q and y are x, and p is v, as in every solution. `continue_to`, `return_to` and ``recording(t)`` raise errors:
     only the world can go on, and its states are known only at its steps.
 
+    `wall_time` includes compilation if the run was the first to need some code.
+
     Examples
     --------
     >>> import kickdrift as kd
