@@ -5,6 +5,7 @@ from kickdrift.engine.flows import (
     cuts,
     error_control,
     impact,
+    lifting,
     passing,
     resting,
     sides,
@@ -35,6 +36,7 @@ _SURFACES: dict[str, Function] = {
     "hold_on": resting.hold,
     "has_no_other_side": passing.look_around,
     "settle": resting.find_resting,
+    "find_pushes": lifting.find_pushes,
 }
 
 _SIDES: dict[str, Function] = {

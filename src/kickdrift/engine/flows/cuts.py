@@ -3,8 +3,9 @@
 Templates, around the letters of a step: `begin_cut` keeps the state, and `end_cut` examines the result. If a gap is no longer
 positive, the time at which it closes is found by steps of other sizes from the same start, by the Illinois algorithm and
 bisection (M. Dowell, P. Jarratt, BIT 11, 168 (1971)). There the impact happens, or the force law changes, and the next step is
-the rest of the first. Steps in which sliding with friction reverses are cut as well, since the force jumps there. Impacts that
-are not located happen after the step. A step without a result is halved until it has one.
+the rest of the first. Steps are also cut where the slip of sliding with friction reverses, since the force jumps there, and
+where forces cease to press a body on its surface. Impacts that are not located happen after the step. A step without a result
+is halved until it has one.
 """
 
 from collections.abc import Callable
@@ -30,6 +31,7 @@ from kickdrift.engine.flows.layout import (
     at_end,
     own_params,
 )
+from kickdrift.engine.flows.lifting import least_push, note_pushes
 from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
 from kickdrift.engine.flows.sides import show_sides
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
@@ -47,6 +49,8 @@ from kickdrift.engine.flows.surfaces import (
     MOVED_LAST,
     NOW,
     OPENS,
+    PUSH,
+    PUSH_BEFORE,
     RESTING,
     RESTS,
     ROUNDS,
@@ -73,6 +77,7 @@ hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
 stop: Callable[..., None] = unbound
 look_for_passes: Callable[..., None] = unbound
+find_pushes: Callable[..., None] = unbound
 find_sides: Callable[..., None] = unbound
 slide: Callable[..., None] = unbound
 misses: Callable[..., bool] = unbound
@@ -182,6 +187,15 @@ def opens_no_more(touches: float, work: Floats) -> bool:
 
 
 @compiled
+def rests_newly(work: Floats) -> bool:
+    """Whether something rests of which the push is not known."""
+    before, resting, some = row_of(PUSH_BEFORE, work), row_of(RESTING, work), False
+    for row in range(before.size):
+        some = some or (resting[row] == RESTS and before[row] == 0.0)
+    return some
+
+
+@compiled
 def shorten(size: float, work: Floats) -> bool:
     """Halve a step without a result, as between points that meet head-on, unless it becomes too short."""
     own = own_params(work)
@@ -219,6 +233,9 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
             before[row] = now[row]
         own[LOW_GAP] = max(0.0, find_gaps(t, x, v, work))
         own[LOW], own[ROUNDS] = 0.0, 0.0
+        if rests_newly(work):
+            find_pushes(t, x, v, params, work)
+            note_pushes(work)
         own[WHOLE] = abs(work[FIRST_STEP] / work[DENSITY])
 
 
@@ -238,12 +255,13 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
             work[REJECTED] = 1.0
             return
         own[MODE] = FREE
+    find_pushes(t, x, v, params, work)
     if own[MODE] != LAST:
-        gap = min(gap, least_slip(v, work))
+        gap = min(gap, least_slip(v, work), least_push(PUSH, x, work))
     cut, crosses, again = own[MODE] in (SEARCHING, LAST) or gap < 0.0, False, False
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         if own[ROUNDS] == 0.0:
-            own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work))
+            own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work), least_push(PUSH_BEFORE, x, work))
         narrow(size, gap, work)
         if choose_size(size, x, work):
             take_back(x, v, work)
@@ -268,6 +286,7 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
     if cut or something_rests(work):
         work[CHANGES] += 1.0
     let_go(work)
+    note_pushes(work)
     accept_cut(size, work)
 
 
