@@ -159,6 +159,8 @@ class Presented:
 
         Raises
         ------
+        KickdriftError
+            If the states are on disk; `to_xarray` reads them.
         MissingExtraError
             If pandas is not installed.
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from kickdrift.core.errors import missing_extra
+from kickdrift.core.errors import KickdriftError, missing_extra
 from kickdrift.engine.solution import Solution
 from kickdrift.io.swept import check_swept
 from kickdrift.scale.ensemble_solution import EnsembleSolution
@@ -19,9 +19,16 @@ def to_pandas(solution: Solution) -> Any:
 
     Raises
     ------
+    KickdriftError
+        If the states are on disk.
     MissingExtraError
         If pandas is not installed.
     """
+    if solution.saved_to:
+        raise KickdriftError(
+            f"the states are on disk, in {solution.saved_to!r}, and the solution has only the first and the last; read them"
+            " with to_xarray()."
+        )
     pd = _pandas("Solution")
     return _frame(solution.plain, pd.Index(solution.plain.t, name="t"), {})
 
