@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.core.elementwise import assign
-from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
+from kickdrift.engine.flows.error_control import BEGIN, take_back
 from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CHANGES,
@@ -31,8 +30,8 @@ from kickdrift.engine.flows.layout import (
     at_end,
     own_params,
 )
-from kickdrift.engine.flows.lifting import least_push, note_pushes
-from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
+from kickdrift.engine.flows.lifting import least_push, note_pushes, rests_newly
+from kickdrift.engine.flows.resting import let_go
 from kickdrift.engine.flows.sides import show_sides
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
 from kickdrift.engine.flows.sliding_mode import note_crossing, something_slides
@@ -78,7 +77,6 @@ cross: Callable[..., None] = unbound
 stop: Callable[..., None] = unbound
 look_for_passes: Callable[..., None] = unbound
 find_pushes: Callable[..., None] = unbound
-find_sides: Callable[..., None] = unbound
 slide: Callable[..., None] = unbound
 misses: Callable[..., bool] = unbound
 
@@ -187,15 +185,6 @@ def opens_no_more(touches: float, work: Floats) -> bool:
 
 
 @compiled
-def rests_newly(work: Floats) -> bool:
-    """Whether something rests of which the push is not known."""
-    before, resting, some = row_of(PUSH_BEFORE, work), row_of(RESTING, work), False
-    for row in range(before.size):
-        some = some or (resting[row] == RESTS and before[row] == 0.0)
-    return some
-
-
-@compiled
 def shorten(size: float, work: Floats) -> bool:
     """Halve a step without a result, as between points that meet head-on, unless it becomes too short."""
     own = own_params(work)
@@ -288,30 +277,3 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
     let_go(work)
     note_pushes(work)
     accept_cut(size, work)
-
-
-def begin_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Prepare a part of a step from a state: the sides of switches, and which gaps are at rest."""
-    keep_state(t, h, x, v, params, work)
-    find_sides(t, h, x, v, params, work)
-    settle(t, h, x, v, work)
-    assign(row_of(BEFORE, work), row_of(NOW, work))
-
-
-def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """End a part of a step as steps between impacts end: gaps that touched at its start and closed are at rest."""
-    n, hit = x.size, row_of(HIT, work)
-    assign(saved(n, FREE_X, n, work), x)
-    assign(saved(n, FREE_V, v.size, work), v)
-    for _ in range(hit.size + 1):
-        hold_on(t, h, x, v, work)
-        find_gaps(t, x, v, work)
-        touches, more = TOUCHES * size_of(x, work), False
-        note_closed(-touches, work)
-        for row in range(hit.size):
-            if hit[row] != 0.0 and row_of(SWITCH, work)[row] == 0.0 and row_of(BEFORE, work)[row] <= touches:
-                row_of(RESTING, work)[row], more = RESTS, True
-        if not more:
-            break
-        assign(x, saved(n, FREE_X, n, work))
-        assign(v, saved(n, FREE_V, v.size, work))

@@ -89,3 +89,12 @@ def note_pushes(work: Floats) -> None:
     before, push, resting = row_of(PUSH_BEFORE, work), row_of(PUSH, work), row_of(RESTING, work)
     for row in range(push.size):
         before[row] = push[row] if resting[row] == RESTS else 0.0
+
+
+@compiled
+def rests_newly(work: Floats) -> bool:
+    """Whether something rests of which the push is not known."""
+    before, resting, some = row_of(PUSH_BEFORE, work), row_of(RESTING, work), False
+    for row in range(before.size):
+        some = some or (resting[row] == RESTS and before[row] == 0.0)
+    return some
