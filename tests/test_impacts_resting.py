@@ -244,9 +244,8 @@ def test_what_is_lifted_leaves_at_the_time_at_which_nothing_presses_it_on(steps)
 
 
 def test_what_hangs_without_weight_or_is_pressed_by_others_is_cut_nowhere():
-    floor = kd.Impacts(lambda x: x[:, 1], restitution=0.0)
-    start = np.array([[1.0, 0.0], [2.0, 0.0]]), np.array([[1.0, 0.0], [0.0, 0.0]])
-    sol = kd.solve(lambda x: 0.0 * x, (0, 1.0), *start, step=0.01, impacts=floor, **VERLET)
+    slope = kd.Impacts(lambda x: 0.6 * x[0] + 0.8 * x[1] - 1.0, restitution=0.0)
+    sol = kd.solve(lambda x: 0.0 * x, (0, 1.0), [0.6, 0.8], [0.8, -0.6], step=0.01, impacts=slope, **VERLET)
     assert (sol.n_steps, sol.n_rejected) == (100, 0)
     balls = kd.Impacts(lambda x: np.array([x[0] - 0.5, x[1] - x[0] - 1.0]), restitution=0.0)
     sol = kd.solve(lambda x: -G + 0 * x, (0, 1.0), [0.5, 1.5], [0.0, 0.0], step=0.01, impacts=balls, **VERLET)
