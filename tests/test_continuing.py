@@ -274,3 +274,5 @@ def test_most_steps_count_anew_where_varied_steps_go_on_beyond_their_end():
     some = kd.solve(forced, (0.0, 2.0), **options).continue_to(3.0)
     assert (some.status, some.n_steps) == (kd.Outcome.STEP_LIMIT, 100)
     assert np.array_equal(some.continue_to(3.0).x[:100], some.x[:100])
+    farther = some.continue_to(8.0)
+    assert [farther.n_steps, farther.continue_to(8.0).n_steps, farther.continue_to(9.0).n_steps] == [150, 200, 200]

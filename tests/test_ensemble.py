@@ -571,6 +571,29 @@ def test_labelled_arrays_have_members():
     assert data.angular_momentum.sel(time=0.0).values == pytest.approx([1.0, math.sqrt(0.75)])
 
 
+def test_a_data_frame_has_a_row_per_member_and_time():
+    pytest.importorskip("pandas")
+    sol = kd.solve_ensemble(
+        kd.systems.kepler, SPAN, args={"eccentricity": [0.0, 0.5]}, step=[0.1, 0.05], t_eval=[0.0, 1.0]
+    )
+    frame = sol.to_pandas()
+    assert frame.index.names == ["member", "t"]
+    assert list(frame.columns) == ["eccentricity", "step", *sol[0].to_pandas().columns]
+    for member in range(2):
+        assert frame.loc[member][sol[member].to_pandas().columns].equals(sol[member].to_pandas())
+    assert frame["eccentricity"].tolist() == [0.0, 0.0, 0.5, 0.5]
+    plain = kd.solve_ensemble(lambda x: -x, SPAN, np.ones((3, 2, 1)), np.zeros((3, 2, 1)), step=0.5)
+    assert np.array_equal(plain.to_pandas()["x[1, 0]"], plain.x[:, :, 1, 0].reshape(-1))
+
+
+def test_names_of_ranges_that_arrays_have_are_refused_where_arrays_get_labels():
+    sol = kd.solve_ensemble(lambda x, params: -params[0] * x, SPAN, 1.0, 0.0, args={"x": [1.0, 4.0]}, step=0.5)
+    for convert in (sol.to_xarray, sol.to_pandas):
+        with pytest.raises(kd.KickdriftError, match="args has the name 'x'"):
+            convert()
+    assert "w" in dataclasses.replace(sol, parameters={"w": sol.parameters["x"]}).to_pandas()
+
+
 def test_members_are_solutions():
     sol = kd.solve_ensemble(kd.systems.kepler, SPAN, args={"eccentricity": [0.0, 0.5]}, step=0.1)
     members = list(sol)

@@ -359,6 +359,8 @@ def test_events_are_kept_in_files(tmp_path):
         (with_attributes(lambda x: x[0], direction=np.nan), "direction=nan"),
         (with_attributes(lambda x: x[0], direction=1j), "direction=1j; give a number, whose sign"),
         (with_attributes(lambda x: x[0], direction=None), "direction=None"),
+        (with_attributes(lambda x: x[0], direction=True), "direction=True"),
+        (with_attributes(lambda x: x[0], rate_bound=True), "rate_bound=True"),
         (with_attributes(lambda x: x[0], rate_bound=0.0), "rate_bound=0.0"),
         (with_attributes(lambda x: x[0], rate_bound=np.inf), "rate_bound=inf"),
     ],

@@ -508,6 +508,7 @@ def test_rows_events_and_dense_output_go_with_impacts():
         ({"impacts": kd.Impacts(lambda x: x[1], restitution=np.nan)}, "from 0 to 1"),
         ({"impacts": kd.Impacts(lambda x: x[1], mass=-1.0)}, "mass=-1.0"),
         ({"impacts": lambda x: x[1], "rtol": 1e-3}, "rtol=0.001, atol=None and impacts"),
+        ({"impacts": lambda x: x[1], "rtol": 1e-3}, "end each run by a terminal event at the surface"),
         ({"impacts": lambda x: x[1] > 0.0}, "which is not a real number"),
         ({"switches": lambda x: x[1] > 0.5}, "which is not a real number"),
         ({"impacts": lambda x: x[1], "t_span": (1.0, 0.0)}, "backwards"),

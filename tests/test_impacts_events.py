@@ -61,6 +61,28 @@ def test_what_ends_a_run_in_an_impact_is_said():
     assert sol.continue_to(3.0).t_events[0] == pytest.approx(STRIKES[:4], abs=1e-12)  # it ends at two more
 
 
+def test_flights_with_steps_that_vary_end_with_terminal_events_and_go_on_with_the_velocity_after_the_impact():
+    """An orbit of eccentricity 0.9 that rebounds from a sphere: each flight takes as long as by Kepler's equation."""
+
+    def gravity(x):
+        return -x / np.hypot(x[0], x[1]) ** 3
+
+    def surface(x):
+        return np.hypot(x[0], x[1]) - 0.5
+
+    surface.terminal, surface.direction = True, -1
+    options = {"rtol": 1e-12, "atol": 1e-12, "method": "dop853", "events": surface}
+    orbit = kd.solve(gravity, (0, 20.0), [1.9, 0], [0, np.sqrt(2 / 1.9 - 1)], **options)
+    times = []
+    while orbit.status is Outcome.STOPPED:
+        t, x, v = orbit.t[-1], orbit.x[-1], orbit.v[-1]
+        times.append(t)
+        orbit = kd.solve(gravity, (t, 20.0), x, v - 2 * (v @ x) / (x @ x) * x, **options)
+    anomaly = np.arccos(0.5 / 0.9)
+    half = np.pi - anomaly + 0.9 * np.sin(anomaly)
+    assert times == pytest.approx(half * np.array([1, 3, 5]), abs=2e-10)
+
+
 def test_impacts_that_are_not_located_are_events_too():
     closed = bounced(height, -1, step=0.01, located=False)
     assert closed.t_events[0][:2] == pytest.approx(STRIKES[:2], abs=0.05)

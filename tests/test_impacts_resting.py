@@ -223,6 +223,35 @@ def test_a_lift_carries_what_rests_on_it_and_throws_it_where_it_brakes_hard():
     assert first == pytest.approx(np.arccos(-9.81 / 22.5) / 15.0, abs=0.005)  # where the lift falls away faster than g
 
 
+@pytest.mark.parametrize("steps", [60, 73, 240])
+def test_what_is_lifted_leaves_at_the_time_at_which_nothing_presses_it_on(steps):
+    """By a force that grows, x'' = -G + 3 t^2, from t = sqrt(G / 3) on; and from a shaken table, where that falls with g."""
+    floor = kd.Impacts(lambda x: x, restitution=0.0)
+    sol = kd.solve(lambda t: -G + 3 * t * t, (0, 3.0), 0.0, 0.0, step=3 / steps, method="yoshida-6", impacts=floor)
+    leaves = np.sqrt(G / 3)
+    assert np.abs(sol.t - leaves).min() < 1e-10
+    after = sol.t[sol.t > leaves] - leaves
+    assert np.abs(sol.x[sol.t > leaves] - (leaves * after**3 + after**4 / 4)).max() < 1e-12
+    assert np.abs(sol.x[sol.t <= leaves + 1e-10]).max() < 1e-12
+
+    table = kd.Impacts(lambda t, x: x - 0.05 * np.cos(20 * t), restitution=0.0)
+    begin, leaves = np.pi / 20, (2 * np.pi - np.arccos(G / 20)) / 20
+    end = leaves + 0.05
+    sol = kd.solve(lambda x: -G, (begin, end), -0.05, 0.0, step=(end - begin) / steps, impacts=table, **VERLET)
+    assert np.abs(sol.t - leaves).min() < 1e-10
+    thrown = 0.05 * np.cos(20 * leaves) - np.sin(20 * leaves) * 0.05 - G / 2 * 0.05**2
+    assert sol.x[-1] == pytest.approx(thrown, abs=1e-12)
+
+
+def test_what_hangs_without_weight_or_is_pressed_by_others_is_cut_nowhere():
+    slope = kd.Impacts(lambda x: 0.6 * x[0] + 0.8 * x[1] - 1.0, restitution=0.0)
+    sol = kd.solve(lambda x: 0.0 * x, (0, 1.0), [0.6, 0.8], [0.8, -0.6], step=0.01, impacts=slope, **VERLET)
+    assert (sol.n_steps, sol.n_rejected) == (100, 0)
+    balls = kd.Impacts(lambda x: np.array([x[0] - 0.5, x[1] - x[0] - 1.0]), restitution=0.0)
+    sol = kd.solve(lambda x: -G + 0 * x, (0, 1.0), [0.5, 1.5], [0.0, 0.0], step=0.01, impacts=balls, **VERLET)
+    assert (sol.n_steps, sol.n_rejected) == (100, 0)
+
+
 def test_spheres_that_are_heaped_in_a_box_come_to_rest_above_each_other():
     radius = 0.5
 

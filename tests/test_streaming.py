@@ -96,6 +96,8 @@ def test_what_goes_to_disk_is_what_would_be_kept(problem, others, tmp_path, monk
     assert np.array_equal(streamed.v, whole.v[[0, -1]])
     assert (streamed.n_steps, streamed.n_force_evaluations) == (whole.n_steps, whole.n_force_evaluations)
     assert np.array_equal(streamed.to_xarray().x, whole.x)
+    with pytest.raises(kd.KickdriftError, match="the states are on disk"):
+        streamed.to_pandas()
     assert streamed.message == whole.message
     assert (streamed.step_range, streamed.n_rejected) == (whole.step_range, whole.n_rejected)
     assert whole.t.size > 200

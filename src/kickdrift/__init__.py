@@ -38,6 +38,7 @@ from kickdrift.engine.step_control import (
     TimeTransformed,
 )
 from kickdrift.io import load, save, to_pandas, to_xarray
+from kickdrift.io.pandas import ensemble_to_pandas
 from kickdrift.io.report import report
 from kickdrift.io.xarray import ensemble_to_xarray, recording_to_xarray
 from kickdrift.scale.ensemble_solution import EnsemblePresenters, EnsembleSolution
@@ -193,6 +194,7 @@ Solution.presenters = Presenters(
 EnsembleSolution.presenters = EnsemblePresenters(
     save=_later("kickdrift.io.ensemble_file", "save"),
     keep=_later("kickdrift.io.stored", "keep"),
+    to_pandas=ensemble_to_pandas,
     to_xarray=ensemble_to_xarray,
     report=_later("kickdrift.io.ensemble_report", "report"),
 )

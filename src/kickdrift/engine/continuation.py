@@ -52,6 +52,7 @@ class Continuation:
         if isinstance(grid, Grid) or grid is self.task.grid:
             return carry_out(Journey(task, self.standing))
         journey = Journey(task)  # from the start: the last steps of a run, where they vary, depend on its end
+        journey.run.repeat(self.standing.step)
         if journey.watch is not None and self._stopped is not None:
             journey.watch.beyond = self._stopped + _SAME_ZERO * grid.step
         return carry_out(journey)
@@ -80,7 +81,7 @@ class Continuation:
             )
         wanted = None if grid.wanted is None else np.append(grid.wanted[(grid.wanted - t) * grid.step < 0.0], t)
         marks = np.array([t]) if wanted is None else np.unique(wanted)[:: 1 if grid.step > 0.0 else -1].copy()
-        return grid._replace(t1=t, marks=marks, wanted=wanted, most=grid.most + standing.step)
+        return grid._replace(t1=t, marks=marks, wanted=wanted)
 
 
 def carry_out(journey: Journey) -> Solution:

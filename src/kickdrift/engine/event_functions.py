@@ -64,7 +64,8 @@ def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -
 
 
 def _is_real(value: Any) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and not math.isnan(value)
+    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    return number and not math.isnan(value)
 
 
 def check_path(events: tuple[Event, ...], system: System) -> None:

@@ -61,11 +61,12 @@ class Impacts:
 
     Notes
     -----
-    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until the
-    contact force vanishes. It is constrained by impulses at both ends of a step, as in RATTLE, to second order for any
-    method of that order or higher, with static friction up to Coulomb's limit. Where the slip reverses or stops, the step is
-    cut, as at impacts; if these are not located, it is not cut, and the order is one. Two zeros of a gap within one step are
-    missed: use steps shorter than the shortest graze.
+    A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until
+    the contact force vanishes, at which the step is cut. It is constrained by impulses at both ends of a step, as in
+    RATTLE, to second order for any method of that order or higher, with static friction up to Coulomb's limit. Where the
+    slip reverses or stops, the step is cut as well; if impacts are not located, it is not cut, and the order is one. Two
+    zeros of a gap within one step are missed: use steps shorter than the shortest graze. Bodies touch within 1e-12 of the
+    largest of the positions, at the start or later, or of 1 where all of x0 is 0: choose units in which motions are larger.
 
     Examples
     --------

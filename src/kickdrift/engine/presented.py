@@ -183,6 +183,8 @@ class Presented:
 
         Raises
         ------
+        KickdriftError
+            If the states are on disk; `to_xarray` reads them.
         MissingExtraError
             If pandas is not installed.
 

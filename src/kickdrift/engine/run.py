@@ -92,6 +92,10 @@ class Run:
             t = self.rows.time(standing.step)
             self._watch.go_on(standing.seen, self.rows.grid.step, t, self._state.x.copy(), self._state.v.copy())
 
+    def repeat(self, steps: int) -> None:
+        """Count these first steps, which an earlier run has done, as no steps of this one."""
+        self._last += steps
+
     def standing(self, beyond_the_stop: bool = False) -> Standing:
         """Return the state of the run, not a copy, and whether the event that ended it, if one did, is not to end it again."""
         good, seen = self._checkpoint, None

@@ -177,7 +177,8 @@ class Solution(Motion, Presented):
         It continues from the last state of the loop, at the same step, whether the run reached its end, was interrupted, or
         was ended by an event. `terminal` events count afresh from there. Where steps vary, or are cut by impacts or switches,
         the last ones depend on the end of the run, so a later end means repeating the run from its start, with the same first
-        step.
+        step. `max_steps` of `kickdrift.solve` bounds each call anew: beyond the steps of this solution, where steps vary; the
+        number of equal steps to the new end is not bounded.
 
         Parameters
         ----------

@@ -120,7 +120,7 @@ def solve(
     max_steps : int, optional
         Largest number of steps that the call may take. The number of variable steps is not known in advance, and has no limit
         where the motion goes to infinity: the run then ends with the states up to there, and ``solution.continue_to`` goes
-        on. By default there is no limit.
+        on for as many steps again. By default there is no limit.
     args : sequence of float, optional
         Numbers passed to the functions as ``params``.
     compensated : bool

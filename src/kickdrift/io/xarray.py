@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 from kickdrift.core.errors import missing_extra
 from kickdrift.engine.description import unit_attributes
 from kickdrift.engine.solution import Solution
+from kickdrift.io.swept import check_swept
 from kickdrift.scale.ensemble_solution import EnsembleSolution
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
 
     Raises
     ------
+    KickdriftError
+        If what was swept has the name of an array.
     MissingExtraError
         If xarray is not installed.
     """
@@ -43,7 +46,9 @@ def ensemble_to_xarray(solution: EnsembleSolution) -> Any:
         for name, values in solution.parameters.items()
     }
     of_members = {"step": ("member", solution.step), "status": ("member", status)}
-    return _dataset(solution, ("member", "time")).assign_coords({**labels, **of_members})
+    data = _dataset(solution, ("member", "time"))
+    check_swept(labels, data.variables)
+    return data.assign_coords({**labels, **of_members})
 
 
 def _dataset(solution: Solution | EnsembleSolution, leading: tuple[str, ...]) -> Any:

@@ -26,6 +26,7 @@ class EnsemblePresenters:
 
     save: Callable[..., Path]
     keep: Callable[..., None]
+    to_pandas: Callable[..., Any]
     to_xarray: Callable[..., Any]
     report: Callable[..., str]
 
@@ -207,6 +208,29 @@ class EnsembleSolution(Motion):
         """
         return self.presenters.save(self, path)
 
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame`, one row per member and time: ``frame.loc[3]`` are the rows of a member.
+
+        What was swept is in the first columns; the others are named ``x[0]``, ``x[Jupiter, y]``, ``energy``, as those of one
+        `Solution`. After the end of a member that ended early its rows are NaN.
+
+        Raises
+        ------
+        KickdriftError
+            If what was swept has the name of another column.
+        MissingExtraError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import kickdrift as kd
+        >>> sweep = {"eccentricity": [0.0, 0.3, 0.6]}
+        >>> runs = kd.solve_ensemble(kd.systems.kepler, (0.0, 1.0), args=sweep, step=0.01)
+        >>> runs.to_pandas().groupby("eccentricity")["energy"].count()[0.3]
+        np.int64(101)
+        """
+        return self.presenters.to_pandas(self)
+
     def to_xarray(self) -> Any:
         """Return the states as labelled arrays.
 
@@ -214,6 +238,13 @@ class EnsembleSolution(Motion):
         -------
         xarray.Dataset
             With named dimensions, ``member`` the first, and units.
+
+        Raises
+        ------
+        KickdriftError
+            If what was swept has the name of an array.
+        MissingExtraError
+            If xarray is not installed.
 
         Examples
         --------

@@ -2,9 +2,11 @@
 
 from kickdrift.core.compilation import Function
 from kickdrift.engine.flows import (
+    between,
     cuts,
     error_control,
     impact,
+    lifting,
     passing,
     resting,
     sides,
@@ -35,6 +37,7 @@ _SURFACES: dict[str, Function] = {
     "hold_on": resting.hold,
     "has_no_other_side": passing.look_around,
     "settle": resting.find_resting,
+    "find_pushes": lifting.find_pushes,
 }
 
 _SIDES: dict[str, Function] = {
@@ -91,7 +94,7 @@ CONTROLS = {
     "judge-embedded": Flow(error_control.judge_embedded, moves_x=True, moves_v=True, timed=False),
     "judge": Flow(error_control.judge, moves_x=True, moves_v=True, timed=False),
     "begin-between": Flow(  # after which the accelerations of before are none
-        cuts.begin_between,
+        between.begin_between,
         parts={
             "keep_state": error_control.begin_trial,
             **_SURFACES,
@@ -101,7 +104,7 @@ CONTROLS = {
         },
         keeps_acceleration=False,
     ),
-    "end-between": Flow(cuts.end_between, parts=_SURFACES, moves_x=True, moves_v=True, timed=False),
+    "end-between": Flow(between.end_between, parts=_SURFACES, moves_x=True, moves_v=True, timed=False),
     "begin-cut": Flow(
         cuts.begin_cut,
         parts={"keep_state": error_control.begin_trial, **_SURFACES, **_SIDES, "slide": sliding_mode.slide},

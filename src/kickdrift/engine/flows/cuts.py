@@ -3,8 +3,9 @@
 Templates, around the letters of a step: `begin_cut` keeps the state, and `end_cut` examines the result. If a gap is no longer
 positive, the time at which it closes is found by steps of other sizes from the same start, by the Illinois algorithm and
 bisection (M. Dowell, P. Jarratt, BIT 11, 168 (1971)). There the impact happens, or the force law changes, and the next step is
-the rest of the first. Steps in which sliding with friction reverses are cut as well, since the force jumps there. Impacts that
-are not located happen after the step. A step without a result is halved until it has one.
+the rest of the first. Steps are also cut where the slip of sliding with friction reverses, since the force jumps there, and
+where forces cease to press a body on its surface. Impacts that are not located happen after the step. A step without a result
+is halved until it has one.
 """
 
 from collections.abc import Callable
@@ -13,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled, unbound
-from kickdrift.core.elementwise import assign
-from kickdrift.engine.flows.error_control import BEGIN, saved, take_back
+from kickdrift.engine.flows.error_control import BEGIN, take_back
 from kickdrift.engine.flows.impact import REST
 from kickdrift.engine.flows.layout import (
     CHANGES,
@@ -30,7 +30,8 @@ from kickdrift.engine.flows.layout import (
     at_end,
     own_params,
 )
-from kickdrift.engine.flows.resting import FREE_V, FREE_X, let_go
+from kickdrift.engine.flows.lifting import least_push, note_pushes, rests_newly
+from kickdrift.engine.flows.resting import let_go
 from kickdrift.engine.flows.sides import show_sides
 from kickdrift.engine.flows.sliding import least_slip, least_slip_at_start
 from kickdrift.engine.flows.sliding_mode import note_crossing, something_slides
@@ -47,6 +48,8 @@ from kickdrift.engine.flows.surfaces import (
     MOVED_LAST,
     NOW,
     OPENS,
+    PUSH,
+    PUSH_BEFORE,
     RESTING,
     RESTS,
     ROUNDS,
@@ -73,7 +76,7 @@ hold_on: Callable[..., None] = unbound
 cross: Callable[..., None] = unbound
 stop: Callable[..., None] = unbound
 look_for_passes: Callable[..., None] = unbound
-find_sides: Callable[..., None] = unbound
+find_pushes: Callable[..., None] = unbound
 slide: Callable[..., None] = unbound
 misses: Callable[..., bool] = unbound
 
@@ -219,6 +222,9 @@ def begin_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Fl
             before[row] = now[row]
         own[LOW_GAP] = max(0.0, find_gaps(t, x, v, work))
         own[LOW], own[ROUNDS] = 0.0, 0.0
+        if rests_newly(work):
+            find_pushes(t, x, v, params, work)
+            note_pushes(work)
         own[WHOLE] = abs(work[FIRST_STEP] / work[DENSITY])
 
 
@@ -238,12 +244,13 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
             work[REJECTED] = 1.0
             return
         own[MODE] = FREE
+    find_pushes(t, x, v, params, work)
     if own[MODE] != LAST:
-        gap = min(gap, least_slip(v, work))
+        gap = min(gap, least_slip(v, work), least_push(PUSH, x, work))
     cut, crosses, again = own[MODE] in (SEARCHING, LAST) or gap < 0.0, False, False
     if cut and own[LOCATED] != 0.0 and own[MODE] != LAST:
         if own[ROUNDS] == 0.0:
-            own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work))
+            own[LOW_GAP] = min(own[LOW_GAP], least_slip_at_start(work), least_push(PUSH_BEFORE, x, work))
         narrow(size, gap, work)
         if choose_size(size, x, work):
             take_back(x, v, work)
@@ -268,31 +275,5 @@ def end_cut(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floa
     if cut or something_rests(work):
         work[CHANGES] += 1.0
     let_go(work)
+    note_pushes(work)
     accept_cut(size, work)
-
-
-def begin_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Prepare a part of a step from a state: the sides of switches, and which gaps are at rest."""
-    keep_state(t, h, x, v, params, work)
-    find_sides(t, h, x, v, params, work)
-    settle(t, h, x, v, work)
-    assign(row_of(BEFORE, work), row_of(NOW, work))
-
-
-def end_between(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """End a part of a step as steps between impacts end: gaps that touched at its start and closed are at rest."""
-    n, hit = x.size, row_of(HIT, work)
-    assign(saved(n, FREE_X, n, work), x)
-    assign(saved(n, FREE_V, v.size, work), v)
-    for _ in range(hit.size + 1):
-        hold_on(t, h, x, v, work)
-        find_gaps(t, x, v, work)
-        touches, more = TOUCHES * size_of(x, work), False
-        note_closed(-touches, work)
-        for row in range(hit.size):
-            if hit[row] != 0.0 and row_of(SWITCH, work)[row] == 0.0 and row_of(BEFORE, work)[row] <= touches:
-                row_of(RESTING, work)[row], more = RESTS, True
-        if not more:
-            break
-        assign(x, saved(n, FREE_X, n, work))
-        assign(v, saved(n, FREE_V, v.size, work))
