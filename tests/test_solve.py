@@ -316,3 +316,6 @@ def test_states_cannot_be_changed_under_the_invariants():
 def test_repr_says_what_it_is():
     s = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1)
     assert repr(s) == "<Solution of kepler by semi-implicit-euler: 11 times from 0 to 1, 10 steps of 0.1, completed>"
+    varied = kd.solve(kd.systems.kepler(0.6), (0.0, 10.0), step=0.1, step_control="distance")
+    shortest, longest = varied.step_range
+    assert f" steps of {shortest:.4g} to {longest:.4g}, completed>" in repr(varied)

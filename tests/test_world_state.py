@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 import zipfile
 
 import numpy as np
@@ -36,6 +37,7 @@ from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.snapshot import TABLES
+from kickdrift.world.step import stepping
 from kickdrift.world.step.status import STATUS
 from kickdrift.world.tables import CONTACT, GEOMETRY, SHAPE
 
@@ -712,6 +714,33 @@ def test_overlap_and_joint_gaps_are_those_of_the_shapes():
 
 
 # Loops of one's own
+
+
+def test_compilation_within_a_run_is_not_counted(monkeypatch):
+    """A ball at 100 m/s needs stages that a box at rest does not."""
+    calls = []
+
+    def compiled_slowly(*arguments):
+        calls.append(arguments)
+        time.sleep(0.5)
+        compile_step(*arguments)
+
+    compile_step = stepping.compile_step
+    monkeypatch.setattr(stepping, "compile_step", compiled_slowly)
+    world = kd.World()
+    world.add_plane()
+    world.add_box((0.2, 0.2, 0.2), position=(0, 0, 0.1), density=100.0)
+    world.add_sphere(0.02, position=(0, 0, 3), velocity=(0, 0, -100), mass=1.0)
+    recording = world.run(0.2, STEP)
+    assert len(calls) >= 2
+    assert world.compile_time > 1.0
+    assert recording.wall_time < world.compile_time / 2
+
+
+def test_worlds_and_recordings_name_their_contents():
+    world = balls()
+    assert repr(world).startswith("<World at t=0 s: ")
+    assert repr(world.run(0.5, STEP)).startswith("<Recording of a world of ")
 
 
 def test_a_recorded_loop_is_a_run():

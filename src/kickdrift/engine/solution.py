@@ -259,10 +259,19 @@ class Solution(Motion, Presented):
         return self.continuation
 
     def __repr__(self) -> str:
+        return f"<Solution of {self.about.system} by {self.about.method}: {self._in_words()}>"
+
+    def _in_words(self) -> str:
         return (
-            f"<Solution of {self.about.system} by {self.about.method}: {self.t.size} times from {self.t[0]:g} to"
-            f" {self.t[-1]:g}, {self.n_steps} steps of {self.step:g}, {self.status.name.lower()}>"
+            f"{self.t.size} times from {self.t[0]:g} to {self.t[-1]:g}, {self.n_steps} steps of {sizes_of_steps(self)},"
+            f" {self.status.name.lower()}"
         )
+
+
+def sizes_of_steps(solution: Solution, digits: int = 6) -> str:
+    """Return the size of the steps of a run, or the smallest and the largest."""
+    smallest, largest = solution.step_range
+    return f"{solution.step:.{digits}g}" if smallest == largest else f"{smallest:.4g} to {largest:.4g}"
 
 
 _DEFERRED = ("message", "about", "dense")  # what most runs in a loop are never asked for

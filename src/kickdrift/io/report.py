@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from kickdrift.analysis.energy import drift, largest_error
 from kickdrift.analysis.phase import largest_phase_error, phase_drift
-from kickdrift.engine.solution import Solution
+from kickdrift.engine.solution import Solution, sizes_of_steps
 
 
 def report(solution: Solution) -> str:
@@ -21,7 +21,7 @@ def report(solution: Solution) -> str:
         ("system", about.system),
         ("method", f"{about.method}, order {about.order}: {about.word}"),
         ("span", f"{solution.t[0]:.10g} to {solution.t[-1]:.10g} {unit}".rstrip()),
-        ("step", _step(solution, unit)),
+        ("step", f"{sizes_of_steps(solution, digits=10)} {unit}".rstrip()),
         ("steps", f"{solution.n_steps}" + f", {solution.n_rejected} more rejected" * (solution.n_rejected > 0)),
         ("force evaluations", f"{solution.n_force_evaluations}"),
         ("wall time", f"{solution.wall_time:.3g} s, {per_step:.4g} ns per step"),
@@ -54,12 +54,6 @@ def _phase(solution: Solution, unit: str) -> str:
     """Return the phase error in words: how far the run is ahead of the exact motion, and how fast that grows."""
     largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " in time"
     return largest + (f", {phase_drift(solution):+.3e} per unit of time" if solution.t.size > 1 else "")
-
-
-def _step(solution: Solution, unit: str) -> str:
-    smallest, largest = solution.step_range
-    sizes = f"{solution.step:.10g}" if smallest == largest else f"{smallest:.4g} to {largest:.4g}"
-    return f"{sizes} {unit}".rstrip()
 
 
 def lines(facts: Sequence[tuple[str, str]]) -> str:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kickdrift.engine.solution import Solution
+from kickdrift.engine.solution import Solution, sizes_of_steps
 from kickdrift.plots import trajectory
 from kickdrift.plots.body_names import write_names
 from kickdrift.plots.energy import draw_energy_error
@@ -63,9 +63,8 @@ def plot_solution(solution: Solution, path: str | Path | None = None, *, ax: "Ax
     has_energy, has_phases = "energy" in solution.invariants, solution.x[0].size == solution.v[0].size == 1
     columns = len(parts) + has_phases + has_energy
     unit = f" {about.units['t']}" if about.units.get("t") else ""
-    figure = new_figure(
-        4.6 * columns, 4.4, f"{about.system} by {about.method}: {solution.n_steps} steps of {solution.step:g}{unit}"
-    )
+    title = f"{about.system} by {about.method}: {solution.n_steps} steps of {sizes_of_steps(solution)}{unit}"
+    figure = new_figure(4.6 * columns, 4.4, title)
     grid = figure.subplots(1, columns, squeeze=False)[0]
     for i, bodies in enumerate(parts):
         _draw_trajectory(grid[i], bodies, solution, trajectory.title_of(i, parts))

@@ -172,6 +172,12 @@ class KeepsHistory:
         """
         return Recording.presenters.view(self._world, step, control=control, port=port)
 
+    def __repr__(self) -> str:
+        world = self._world
+        bodies, joints = len(world.bodies.moving()), len(world.joints)
+        numbers = f"{bodies} moving {'body' if bodies == 1 else 'bodies'}, {joints} joint{'s' * (joints != 1)}"
+        return f"<World at t={world.time:g} s: {numbers}>"
+
     def _repr_html_(self) -> str:
         """Return the HTML that a notebook shows: a summary of the world, and a picture of its present state."""
         return Recording.presenters.world_html(self._world)

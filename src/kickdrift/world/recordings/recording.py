@@ -49,8 +49,6 @@ class Recording(Solution):
     multipliers; q and y are x, and p is v, as in every solution. `continue_to`, `return_to` and ``recording(t)`` raise errors:
     only the world can go on, and its states are known only at its steps.
 
-    `wall_time` includes compilation if the run was the first to need some code.
-
     Examples
     --------
     >>> import kickdrift as kd
@@ -70,6 +68,9 @@ class Recording(Solution):
     appearance: Appearance
 
     presenters: ClassVar[WorldPresenters]
+
+    def __repr__(self) -> str:
+        return f"<Recording of a {self.about.system}: {self._in_words()}>"
 
     def __call__(self, t: ArrayLike) -> NoReturn:
         """Refuse, since the states of a world are known only at its steps.

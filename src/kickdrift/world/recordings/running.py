@@ -69,12 +69,12 @@ def _run(world: "World", grid: Grid, progress: bool | None, keeper: Keeper | Non
         while done < grid.n_steps and not interruption.noted and outcome is Outcome.COMPLETED:
             until = grid.n_steps if keeper is None else keeper.until(done, grid.n_steps)
             count = min(chunk, step_of_row(grid, rows.count) - done, until - done)
-            before, started = world.n_steps, time.perf_counter()
+            before, started = world.n_steps, time.perf_counter() - world.compile_time
             try:
                 world.advance_from(t0, done, grid.step, count)
             except LostBodyError as error:
                 outcome, cause = Outcome.NOT_FINITE, f" {error}"
-            took = time.perf_counter() - started
+            took = time.perf_counter() - world.compile_time - started
             done, seconds = done + world.n_steps - before, seconds + took
             if outcome is Outcome.COMPLETED and done == step_of_row(grid, rows.count):
                 rows.keep(t0 + (grid.t1 if done == grid.n_steps else done * grid.step))

@@ -69,6 +69,7 @@ class DoesSteps:
     _threaded: bool
     _addresses: NDArray[np.intp]
     _composition: tuple[object, ...] | None
+    compile_time: float  # s, of all steps so far
     _counted: tuple[float, int]  # the time from which steps are counted, s, and the number of the next one
 
     def do_steps(self, t0: float, first: int, step: float, count: int) -> int:
@@ -192,7 +193,9 @@ class DoesSteps:
         spelt, pairs, shapes = self.word, self.shape_rows.pairs(), self.shape_rows
         composition = spelt, self.substeps, shapes.kinds
         if composition != self._composition:
+            began = time.perf_counter()
             compile_step(spelt, shapes.kinds, pairs)
+            self.compile_time += time.perf_counter() - began
             kernels = self.tables.array(KERNEL_ADDRESSES)[0]
             for column, kernel in contact_solver_simd.KERNELS.items():
                 kernels[column] = address_of(kernel, contact_solver_simd.KERNEL)
