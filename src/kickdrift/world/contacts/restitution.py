@@ -12,7 +12,7 @@ Contacts of shapes so fast that they may pass each other within the step are inc
 of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
-`kickdrift.world.contacts.simultaneous_impact` computes the other columns.
+`kickdrift.world.contacts.impact_points` and `kickdrift.world.contacts.simultaneous_impact` compute the other columns.
 """
 
 import math
@@ -30,16 +30,8 @@ from kickdrift.world.contacts.bounce_time import find_time, rests
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
-from kickdrift.world.contacts.simultaneous_impact import (
-    BOUNCE,
-    ROW,
-    SPEED,
-    TIME,
-    TIMES,
-    find_impulses,
-    meet,
-    normal_impulse,
-)
+from kickdrift.world.contacts.impact_points import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
+from kickdrift.world.contacts.simultaneous_impact import find_impulses
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
