@@ -142,6 +142,53 @@ def test_a_row_without_weight_that_strikes_a_wall_bounces_no_more_once_it_is_at_
     assert not ((speeds > 0.0) & (speeds < 1e-30)).any()
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize(("restitution", "masses", "speed"), [(0.05, (716, 863), 9.6), (0.2, (428, 10), 5.4)])
+@pytest.mark.parametrize("place", [0.0, 0.03])
+def test_a_ball_of_grams_keeps_boxes_of_up_to_a_ton_apart(restitution, masses, speed, friction, place):
+    """Sweeps pass an impulse on through a ball of a ten-millionth of a mass in as many turns.
+
+    Hit at once, it makes the boxes leave by Newton's rule; hit in turns without end, it takes all of their energy.
+    """
+    world, surface = World(gravity=(0, 0, 0)), {"restitution": restitution, "friction": friction}
+    boxes = [
+        world.add_box((0.4, 0.5, 0.5), mass=mass, position=(side / 2, 0, 0), velocity=(-speed * side, 0, 0), **surface)
+        for mass, side in zip(masses, (-1, 1), strict=True)
+    ]
+    world.add_sphere(0.08, mass=1.1e-4, position=(place, 0, 0), **surface)
+    momentum, energy = world.momentum(), world.energy().total
+    for _ in range(60):
+        world.step(STEP)
+        assert boxes[1].position[0] - boxes[0].position[0] > 0.4 + 0.16 - 1e-5
+        assert world.energy().total <= energy * (1 + 1e-12)
+    left = boxes[1].velocity[0] - boxes[0].velocity[0]
+    assert left == pytest.approx(0.0 if place else 2 * restitution * speed, abs=1e-4 * speed)
+    assert world.momentum() == pytest.approx(momentum, rel=1e-12, abs=1e-9)
+
+
+def test_elimination_releases_points_that_would_have_to_pull():
+    """Three light balls of other sizes between plates that close obliquely: some press, some do not."""
+    random = np.random.default_rng(4)
+    for _ in range(10):
+        world, surface = World(gravity=(0, 0, 0)), {"restitution": 0.1, "friction": 0.3}
+        plates = [
+            world.add_box((0.4, 1, 1), mass=mass, position=(side * 0.3, 0, 0), velocity=(-side * 5, 0, 0), **surface)
+            for side, mass in ((-1, 500.0), (1, 900.0))
+        ]
+        plates[1].angular_velocity = random.normal(size=3)
+        for angle in (0, 2, 4):
+            place = (0, 0.3 * np.cos(angle), 0.3 * np.sin(angle))
+            world.add_sphere(random.uniform(0.05, 0.08), mass=10 ** random.uniform(-4, -3), position=place, **surface)
+        energy, momentum, spin = world.energy().total, world.momentum(), world.angular_momentum()
+        for _ in range(20):
+            world.step(STEP)
+            assert world.energy().total <= energy * (1 + 1e-12)
+        assert world.energy().total < 0.5 * energy
+        assert world.momentum() == pytest.approx(momentum, abs=1e-9)
+        assert world.angular_momentum() == pytest.approx(spin, abs=1e-7)
+        assert plates[1].position[0] - plates[0].position[0] > 0.4
+
+
 @pytest.mark.parametrize("restitution", [0.5, 1.0])
 def test_jointed_rows_of_boxes_that_hit_each_other_with_their_faces_keep_their_angular_momentum(restitution):
     world = World(gravity=(0, 0, 0))

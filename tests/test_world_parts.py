@@ -105,7 +105,7 @@ def test_no_ball_of_a_hot_gas_leaves_its_box(kind, seed, ratio, speed):
     assert world.energy().total == pytest.approx(before, rel=1e-12)
 
 
-@pytest.mark.parametrize("ratio", [10.0, 1000.0])
+@pytest.mark.parametrize("ratio", [10.0, 1000.0, 1e8, 1e14])
 @pytest.mark.parametrize("speed", [10.0, 30.0])
 def test_a_light_ball_between_a_heavy_one_and_a_wall_stops_it(ratio, speed):
     world, light, heavy = wedge(ratio, speed)
@@ -116,14 +116,13 @@ def test_a_light_ball_between_a_heavy_one_and_a_wall_stops_it(ratio, speed):
 
 
 def test_impacts_that_have_no_end_are_said_once():
-    world, light, heavy = wedge(1e8, gap=0.01)
-    light.name, heavy.name = "light one", "heavy one"
-    with pytest.warns(kd.UnsolvedWarning, match="'(light|heavy) one'.*not all of these impacts were resolved") as said:
-        world.advance(STEP, 10)
+    world = squeezed(45)
+    with pytest.warns(kd.UnsolvedWarning, match=r"body \d and what it touches .*not all of these impacts were resolved") as said:
+        world.advance(STEP, 2)
     assert len(said) == 1
 
 
-@pytest.mark.parametrize(("seed", "left"), [(11, 0), (33, 1)])
+@pytest.mark.parametrize(("seed", "left"), [(150, 0), (45, 1)])
 def test_impacts_left_in_an_attempt_that_is_done_again_are_not_said(seed, left, counts):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")

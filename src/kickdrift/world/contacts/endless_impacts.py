@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.active_impacts import BOUNCING_CONTACT
 from kickdrift.world.contacts.impact_motion import constraint, is_moved
-from kickdrift.world.contacts.simultaneous_impact import BOUNCE, ROW, SPEED, TIME, TIMES
+from kickdrift.world.contacts.impact_points import BOUNCE, ROW, SPEED, TIME, TIMES
 from kickdrift.world.layout import NEXT_IMPACT
 from kickdrift.world.settings import BOUNCING_TIME
 from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING

@@ -130,6 +130,7 @@ COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step
 FIELDS = _CONSTRAINT.close()
 
-# Values of the first number of REFERENCE after a search for impacts: turns so large that arms are recomputed
+# Values of the first number of REFERENCE after a search for impacts: turns so large that arms are recomputed. The second is
+# then the speed, m/s, at which the contact hit, or seemed to hit, last
 HIT = 1e10  # rad
 MISSED = 2e10  # rad; what seemed to be a hit turned out to be none

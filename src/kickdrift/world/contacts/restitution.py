@@ -12,7 +12,7 @@ Contacts of shapes so fast that they may pass each other within the step are inc
 of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
-`kickdrift.world.contacts.simultaneous_impact` computes the other columns.
+`kickdrift.world.contacts.impact_points` and `kickdrift.world.contacts.simultaneous_impact` compute the other columns.
 """
 
 import math
@@ -30,16 +30,8 @@ from kickdrift.world.contacts.bounce_time import find_time, rests
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
-from kickdrift.world.contacts.simultaneous_impact import (
-    BOUNCE,
-    ROW,
-    SPEED,
-    TIME,
-    TIMES,
-    find_impulses,
-    meet,
-    normal_impulse,
-)
+from kickdrift.world.contacts.impact_points import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
+from kickdrift.world.contacts.simultaneous_impact import find_impulses
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
@@ -60,12 +52,13 @@ from kickdrift.world.tables import (
     set_rows,
 )
 
-_ROUNDS = 310
+_ROUNDS = 400
 # Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
 _APART = 300
-_SWEEPS, _MANY_SWEEPS = 400, 10_000  # the latter leave a relative residual of 5e-5, for a mass ratio of 1000
+_SWEEPS = 400
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
+_FASTER = 2.0  # times the speed at which a contact seemed to hit and did not: then it may hit after all
 _UNSEEN = 1e-9  # of the slop: shorter ways in a substep are no approach; without weight, they would halve for ever
 _FAR = 1e10  # m, as a gap
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
@@ -162,7 +155,7 @@ def bounce(t: float, h: float, world: int) -> None:
             move_to_impact(world, h, b)
         for hit in range(rows(world, IMPACT)):
             meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
-        find_impulses(world, _MANY_SWEEPS if together else _SWEEPS)
+        find_impulses(world, _SWEEPS)
         for hit in range(rows(world, IMPACT)):
             a, b = bodies_of(world, hit)
             leave_impact(world, h, a)
@@ -171,6 +164,7 @@ def bounce(t: float, h: float, world: int) -> None:
             note_hit(world, b, n)
             own, was_hit = constraint(world, int(impact[hit, ROW])), normal_impulse(impact[hit]) > 0.0
             own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit else c.MISSED
+            own[(c.REFERENCE + 1) * c.WIDTH] = impact[hit, SPEED]
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 _hide_from_sweeps(own, k)
             if was_hit:
@@ -239,10 +233,12 @@ def _find_round(world: int, n: int, h: float) -> float:
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
         if is_quiet(world, k, n):
             continue
-        if constraint(world, row)[c.REFERENCE * c.WIDTH] == c.MISSED:
-            continue
-        bouncing[k, HITS_NOT] = 1
-        if _find_times(world, h, row, impact[found]):
+        own, bouncing[k, HITS_NOT] = constraint(world, row), 1
+        missed, slower = own[c.REFERENCE * c.WIDTH] == c.MISSED, own[(c.REFERENCE + 1) * c.WIDTH]
+        hits = _find_times(world, h, row, impact[found])
+        if missed and not (hits and impact[found, SPEED] > _FASTER * slower):
+            own[c.REFERENCE * c.WIDTH] = c.MISSED
+        elif hits:
             bouncing[k, HITS_NOT] = 0
             fastest = max(fastest, impact[found, SPEED])
             impact[found, ROW] = row

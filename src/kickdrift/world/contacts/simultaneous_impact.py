@@ -11,134 +11,45 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
-from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
+from kickdrift.core.vectors import applied, cross, dot, minus, plus, times
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.active_impacts import begin_sweeps, may_change, note_change
-from kickdrift.world.contacts.impact_motion import arms_now, constraint, normal_at, vector_of
-from kickdrift.world.layout import (
-    ANGULAR_VELOCITY,
-    IMPACT_TIME,
-    INVERSE_INERTIA_IN_WORLD,
-    INVERSE_LINEAR_MASS,
-    VELOCITY,
+from kickdrift.world.contacts.impact_active_set import solve_pressed
+from kickdrift.world.contacts.impact_motion import constraint
+from kickdrift.world.contacts.impact_points import (
+    ARM_A,
+    ARM_B,
+    BOUNCE,
+    BOUND,
+    FRICTION,
+    GRIP,
+    IMPACT_POINTS,
+    IMPULSE,
+    NORMAL,
+    PLASTIC,
+    POINT_SIZE,
+    ROW,
+    TANGENT,
+    TURN_A,
+    TURN_B,
+    WANTED,
+    apply_impulse,
+    normal_impulse,
+    separating_speed,
+    vector_in,
 )
-from kickdrift.world.settings import SLOP
-from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, MOTION, SETTINGS, floats, integers, rows
+from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, VELOCITY
+from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, MOTION, floats, integers, rows
 
-# Numbers of a point that hits
-_POINT = Fields()
-TURN_A = _POINT.field(3, "m")  # arm x normal
-TURN_B = _POINT.field(3, "m")
-WANTED = _POINT.field(1, "m/s")  # normal velocity after the impact
-IMPULSE = _POINT.field(1, "N s")
-PLASTIC = _POINT.field(1, "N s")  # impulse that stops it; negative if it does not hit
-POINT_SIZE = _POINT.close()
-
-# Columns of IMPACT
-ROW = column(IMPACT)  # of the contact
-TIME = column(IMPACT, 1, "s")  # when the first of its points hits
-SPEED = column(IMPACT, 1, "m/s")  # of that point
-BOUNCE = column(IMPACT)  # coefficient of restitution e
-ARM_A = column(IMPACT, 3, "m")  # from the centres of both bodies to the centre of the contact
-ARM_B = column(IMPACT, 3, "m")
-GRIP = column(IMPACT, 3, "kg")  # inverse of the response to friction
-FRICTION = column(IMPACT, 2, "N s")
-BOUND = column(IMPACT, 1, "N s")  # of friction
-IMPACT_POINTS = column(IMPACT, 4 * POINT_SIZE)
-TIMES = column(IMPACT, 4, "s")  # when the points hit
-NORMAL = column(IMPACT, 3)
-TANGENT = column(IMPACT, 3)  # the first
 _BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
 _TOLERANCE = 1e-15  # of the largest impulse
+_FEW = 50  # sweeps, after which the pressed points are solved by elimination
 _PLASTIC, _FRICTION, _THROWN = (
     0,
     1,
     2,
 )  # parts of the impulses of a round: those that stop, friction, those after restitution
-
-
-@compiled
-def meet(world: int, hit: Any, least: float) -> None:
-    """Write arms and target velocities of a contact whose bodies are at their impact; points slower than `least` do not hit."""
-    row, kicked, contact = int(hit[ROW]), floats(world, KICKED), integers(world, CONTACT)
-    a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
-    when = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
-    normal = normal_at(world, row, own, when)
-    first = minus(vector_of(own, c.T), times(dot(normal, vector_of(own, c.T)), normal))
-    first = times(1.0 / length(first), first)
-    _put(hit, NORMAL, normal)
-    _put(hit, TANGENT, first)
-    near, share = 0.1 * floats(world, SETTINGS)[0, SLOP], own[c.SHARE * c.WIDTH]
-    centre_a, centre_b, found = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
-    for k in range(4):
-        hit[IMPACT_POINTS + POINT_SIZE * k + PLASTIC] = -1.0
-        if not (hit[TIMES + k] - when) * hit[SPEED] <= near:
-            continue
-        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
-        arm_a, arm_b, between = arms_now(world, row, own, k, when, normal)
-        if dot(normal, between) > near:  # it has hit before, and has separated
-            continue
-        arm_a, arm_b = plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between))
-        _put(point, TURN_A, cross(arm_a, normal))
-        _put(point, TURN_B, cross(arm_b, normal))
-        speed = _speed(world, a, b, normal, point)
-        if speed < -least:
-            point[WANTED], point[IMPULSE], point[PLASTIC] = -hit[BOUNCE] * speed, 0.0, 0.0
-            centre_a, centre_b, found = plus(centre_a, arm_a), plus(centre_b, arm_b), found + 1.0
-    _put(hit, ARM_A, times(1.0 / max(found, 1.0), centre_a))
-    _put(hit, ARM_B, times(1.0 / max(found, 1.0), centre_b))
-    second = cross(normal, first)
-    k11, k22 = _response(world, a, b, hit, first, first), _response(world, a, b, hit, second, second)
-    k12 = _response(world, a, b, hit, first, second)
-    scale = 1.0 / (k11 * k22 - k12 * k12)
-    _put(hit, GRIP, (scale * k22, scale * k11, -scale * k12))
-    hit[FRICTION], hit[FRICTION + 1] = 0.0, 0.0
-
-
-@compiled(inline=True)
-def _put(array: Any, at: int, vector: Vector) -> None:
-    array[at], array[at + 1], array[at + 2] = vector
-
-
-@compiled(inline=True)
-def _at(array: Any, at: int) -> Vector:
-    return (array[at], array[at + 1], array[at + 2])
-
-
-@compiled
-def _response(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
-    """Return the change of relative velocity along a direction at the centre by a unit impulse along another, 1/kg."""
-    inverse_mass = floats(world, INVERSE_MASS)
-    arm_a, arm_b = _at(hit, ARM_A), _at(hit, ARM_B)
-    inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
-    inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
-    linear: float = (inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]) * dot(along, other)
-    turned_a: float = dot(cross(arm_a, along), applied(inverse_a, cross(arm_a, other)))
-    turned_b: float = dot(cross(arm_b, along), applied(inverse_b, cross(arm_b, other)))
-    return linear + turned_a + turned_b
-
-
-@compiled(inline=True)
-def _speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
-    """Return the normal velocity at which a point of b separates from a, m/s."""
-    motion = floats(world, MOTION)
-    linear = dot(normal, minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
-    speed: float = linear + dot(_at(point, TURN_B), vector_at(motion, b, ANGULAR_VELOCITY))
-    return speed - dot(_at(point, TURN_A), vector_at(motion, a, ANGULAR_VELOCITY))
-
-
-@compiled(inline=True)
-def _apply_impulse(world: int, a: int, b: int, impulse: Vector, turn_a: Vector, turn_b: Vector) -> None:
-    """Apply an impulse to b and its opposite to a, with the angular impulses `turn_b` and -`turn_a`."""
-    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
-    change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
-    for k in range(3):
-        motion[a, VELOCITY + k] -= inverse_mass[a, INVERSE_LINEAR_MASS] * impulse[k]
-        motion[b, VELOCITY + k] += inverse_mass[b, INVERSE_LINEAR_MASS] * impulse[k]
-        motion[a, ANGULAR_VELOCITY + k] -= change_a[k]
-        motion[b, ANGULAR_VELOCITY + k] += change_b[k]
 
 
 @compiled
@@ -150,7 +61,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
     """
     row, contact, inverse_mass = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    normal = _at(hit, NORMAL)
+    normal = vector_in(hit, NORMAL)
     inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
     inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
     largest = 0.0
@@ -158,13 +69,13 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
         point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
             continue
-        turn_a, turn_b = _at(point, TURN_A), _at(point, TURN_B)
+        turn_a, turn_b = vector_in(point, TURN_A), vector_in(point, TURN_B)
         response = inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]
         response += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
-        missing = (point[WANTED] if thrown else 0.0) - _speed(world, a, b, normal, point)
+        missing = (point[WANTED] if thrown else 0.0) - separating_speed(world, a, b, normal, point)
         d = max(point[IMPULSE] + missing / response, -least * point[PLASTIC]) - point[IMPULSE]
         point[IMPULSE] += d
-        _apply_impulse(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
+        apply_impulse(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
         largest = max(largest, abs(d))
     return largest
 
@@ -174,14 +85,14 @@ def _sweep_friction(world: int, hit: Any) -> float:
     """Do one sweep over the friction of a contact, and return the change of its impulse, N s."""
     row, contact, motion = int(hit[ROW]), integers(world, CONTACT), floats(world, MOTION)
     a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
-    first, arm_a, arm_b = _at(hit, TANGENT), _at(hit, ARM_A), _at(hit, ARM_B)
-    second = cross(_at(hit, NORMAL), first)
+    first, arm_a, arm_b = vector_in(hit, TANGENT), vector_in(hit, ARM_A), vector_in(hit, ARM_B)
+    second = cross(vector_in(hit, NORMAL), first)
     slip = minus(
         plus(vector_at(motion, b, VELOCITY), cross(vector_at(motion, b, ANGULAR_VELOCITY), arm_b)),
         plus(vector_at(motion, a, VELOCITY), cross(vector_at(motion, a, ANGULAR_VELOCITY), arm_a)),
     )
     s1, s2 = dot(slip, first) - own[c.SURFACE_SPEED * c.WIDTH], dot(slip, second) - own[(c.SURFACE_SPEED + 1) * c.WIDTH]
-    k11, k22, k12 = _at(hit, GRIP)
+    k11, k22, k12 = vector_in(hit, GRIP)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
     if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding, as in `contact_solver_simd.solve_friction`
         mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
@@ -191,18 +102,8 @@ def _sweep_friction(world: int, hit: Any) -> float:
     d1, d2 = f1 - hit[FRICTION], f2 - hit[FRICTION + 1]
     hit[FRICTION], hit[FRICTION + 1] = f1, f2
     impulse = plus(times(d1, first), times(d2, second))
-    _apply_impulse(world, a, b, impulse, cross(arm_a, impulse), cross(arm_b, impulse))
+    apply_impulse(world, a, b, impulse, cross(arm_a, impulse), cross(arm_b, impulse))
     return math.sqrt(d1 * d1 + d2 * d2)
-
-
-@compiled
-def normal_impulse(hit: Any) -> float:
-    """Return the sum of the normal impulses of a contact, N s."""
-    total = 0.0
-    for k in range(4):
-        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
-        total += point[IMPULSE] if point[PLASTIC] >= 0.0 else 0.0
-    return total
 
 
 @compiled
@@ -243,6 +144,9 @@ def _sweep(world: int, sweeps: int, part: int, scale: float) -> float:
                 settled = False
         if settled:
             break
+        if sweep % _FEW == _FEW - 1 and solve_pressed(world, part == _PLASTIC, part == _FRICTION, part == _THROWN):
+            for hit in range(count):
+                note_change(world, int(impact[hit, ROW]), sweep)
     return scale
 
 
@@ -262,11 +166,11 @@ def _find_friction(world: int, scale: float, sweeps: int) -> None:
 def _apply_restitution(world: int, hit: Any) -> None:
     """Apply e times the plastic impulses of the points of a contact."""
     row, contact = int(hit[ROW]), integers(world, CONTACT)
-    normal = _at(hit, NORMAL)
+    normal = vector_in(hit, NORMAL)
     for k in range(4):
         point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         d = hit[BOUNCE] * max(point[PLASTIC], 0.0)
         if d > 0.0:
             point[IMPULSE] += d
-            turn_a, turn_b = times(d, _at(point, TURN_A)), times(d, _at(point, TURN_B))
-            _apply_impulse(world, contact[row, c.BODY_A], contact[row, c.BODY_B], times(d, normal), turn_a, turn_b)
+            turn_a, turn_b = times(d, vector_in(point, TURN_A)), times(d, vector_in(point, TURN_B))
+            apply_impulse(world, contact[row, c.BODY_A], contact[row, c.BODY_B], times(d, normal), turn_a, turn_b)
