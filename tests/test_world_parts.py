@@ -117,7 +117,9 @@ def test_a_light_ball_between_a_heavy_one_and_a_wall_stops_it(ratio, speed):
 
 def test_impacts_that_have_no_end_are_said_once():
     world = squeezed(45)
-    with pytest.warns(kd.UnsolvedWarning, match=r"body \d and what it touches .*not all of these impacts were resolved") as said:
+    with pytest.warns(
+        kd.UnsolvedWarning, match=r"body \d and what it touches .*not all of these impacts were resolved"
+    ) as said:
         world.advance(STEP, 2)
     assert len(said) == 1
 

@@ -26,10 +26,11 @@ from kickdrift.core.errors import (
 )
 from kickdrift.core.outcomes import Outcome
 from kickdrift.core.version import VERSION
-from kickdrift.engine.impacts import Impacts, sphere_gaps
+from kickdrift.engine.impacts import Impacts
 from kickdrift.engine.presented import Presenters
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
+from kickdrift.engine.sphere_gaps import sphere_gaps
 from kickdrift.engine.step_control import (
     HairerSoderlind,
     HuangLeimkuhler,

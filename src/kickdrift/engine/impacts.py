@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.arguments import choice, reals
+from kickdrift.core.arguments import choice
 from kickdrift.core.compilation import Function, unbound
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
@@ -62,11 +62,11 @@ class Impacts:
     Notes
     -----
     A body whose rebounds have become shorter than a thousandth of a step rests on the surface, or slides along it, until
-    the contact force vanishes, at which the step is cut. It is constrained by impulses at both ends of a step, as in
-    RATTLE, to second order for any method of that order or higher, with static friction up to Coulomb's limit. Where the
-    slip reverses or stops, the step is cut as well; if impacts are not located, it is not cut, and the order is one. Two
-    zeros of a gap within one step are missed: use steps shorter than the shortest graze. Bodies touch within 1e-12 of the
-    largest of the positions, at the start or later, or of 1 where all of x0 is 0: choose units in which motions are larger.
+    the contact force vanishes, where the step is cut. It is constrained by impulses at both ends of a step, as in RATTLE,
+    to second order for any method of that order or higher, with static friction up to Coulomb's limit. Where the slip
+    reverses or stops, the step is cut as well; if impacts are not located, it is not cut, and the order is one. Two zeros
+    of a gap within one step are missed. Bodies touch within 1e-12 of the largest of the positions, at the start or later,
+    or of 1 where all of x0 is 0: choose units in which motions are larger.
 
     Examples
     --------
@@ -84,57 +84,6 @@ class Impacts:
     friction: ArrayLike = 0.0
     mass: ArrayLike | None = None
     located: bool = True
-
-
-def sphere_gaps(radii: ArrayLike) -> Callable[..., Any]:
-    """Return the gaps between all pairs of spheres, for `Impacts` of states (N, d).
-
-    Parameters
-    ----------
-    radii : (N,) array_like
-        Positive.
-
-    Returns
-    -------
-    callable
-        ``gap(x)`` returns N (N - 1) / 2 numbers.
-
-    Raises
-    ------
-    ArgumentError
-        If `radii` is not a list of positive numbers.
-
-    Examples
-    --------
-    >>> import numpy as np, kickdrift as kd
-    >>> disks = kd.Impacts(kd.sphere_gaps([0.5, 0.5]), restitution=1.0)
-    >>> still = lambda x: np.zeros((2, 2))
-    >>> start = [[0, 0], [2, 0]], [[1, 0], [0, 0]]
-    >>> options = {"step": 0.1, "method": "velocity-verlet", "compile": False}
-    >>> sol = kd.solve(still, (0.0, 2.0), *start, impacts=disks, **options)
-    >>> sol.v[-1].round(12)
-    array([[0., 0.],
-           [1., 0.]])
-    """
-    try:
-        sizes = reals(radii)
-    except TypeError as error:
-        raise ArgumentError(f"radii={radii!r} must be numbers: {error}.") from None
-    if sizes.ndim != 1 or sizes.size < 2 or not (np.isfinite(sizes) & (sizes > 0)).all():
-        raise ArgumentError(f"radii={radii!r} must be at least two positive numbers.")
-
-    def gap(x):  # type: ignore[no-untyped-def]
-        gaps, row = np.empty(len(x) * (len(x) - 1) // 2), 0
-        for i in range(len(x)):
-            for j in range(i):
-                square = 0.0
-                for k in range(x.shape[1]):
-                    square += (x[i, k] - x[j, k]) ** 2
-                gaps[row] = np.sqrt(square) - sizes[i] - sizes[j]
-                row += 1
-        return gaps
-
-    return gap
 
 
 def cut_steps(
