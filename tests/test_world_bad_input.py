@@ -553,3 +553,11 @@ def test_a_compiled_force_has_the_globals_of_now_and_bounds():
     world.add_force(scope["pull"])
     with pytest.raises(KickdriftError, match="IndexError"):
         world.step(0.1)
+
+
+@pytest.mark.parametrize("name", ["add_hinge", "add_spring", "add_gear"])
+def test_methods_that_add_joints_have_their_own_names_and_refuse_unknown_arguments(name):
+    add = getattr(World, name)
+    assert add.__name__ == name
+    with pytest.raises(ArgumentError, match=f"ankor= is not an argument of {name}; it takes .*, breaking_force"):
+        add(World(), None, None, ankor=1)

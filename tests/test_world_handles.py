@@ -308,6 +308,17 @@ def test_names_find_bodies_and_joints_and_are_shown():
     assert repr(ball) == "Body(index=1, generation=1)"
 
 
+def test_worlds_iterate_over_the_handles_of_their_bodies_and_joints():
+    world = kd.World()
+    first, second = (world.add_sphere(0.1, position=(x, 0, 0), mass=1.0) for x in (0, 1))
+    hinge, ball = world.add_hinge(None, first, (0, 0, 0), (0, 1, 0)), world.add_ball_joint(first, second, (0.5, 0, 0))
+    assert list(world.bodies) == [world.ground, first, second]
+    assert list(world.joints) == [hinge, ball]
+    world.remove(first)
+    assert list(world.bodies) == [world.ground, second]
+    assert (len(world.bodies), len(world.joints), list(world.joints)) == (2, 0, [])
+
+
 def test_a_name_is_free_again_once_its_body_or_joint_is_gone():
     world = kd.World()
     ball = world.add_sphere(0.1, name="ball")

@@ -130,6 +130,8 @@ class World(
         Quaternions (w, x, y, z) that turn the bodies' axes into the world's.
     angular_velocity : (N, 3) array
         In the world's axes, rad/s.
+    bodies, joints : iterable
+        Handles: ``for body in world.bodies``, the ground first; `World.body` and `World.joint` return those of a name.
     gravity, substeps, sleeping
         As above; each may be set between steps.
     residual : float

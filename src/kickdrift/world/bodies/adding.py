@@ -15,13 +15,13 @@ from kickdrift.world.atomic import undivided
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.mass_properties import mass_properties_of
 from kickdrift.world.bodies.part import Part, surface_of
-from kickdrift.world.bodies.registry import GROUND, Bodies, kind_of
+from kickdrift.world.bodies.registry import GROUND, Bodies
 from kickdrift.world.bodies.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.collision.filters import forget
 from kickdrift.world.events import forget_contacts
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, STATIC
+from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.tables import MOTION, RESTED, Tables
@@ -118,7 +118,7 @@ class AddsBodies:
         parts = list(shapes) if isinstance(shapes, Sequence) else [Part(shapes)]
         if not parts or not all(isinstance(part, Part) for part in parts):
             raise ArgumentError(f"shapes={shapes!r} must be a shape, or a sequence of at least one Part.")
-        kind = kind_of(static, kinematic)
+        kind = _kind_of(static, kinematic)
         origin, turn = vector("position", position, 3), unit_quaternion("orientation", orientation)
         motion = np.concatenate((vector("velocity", velocity, 3), vector("angular_velocity", angular_velocity, 3)))
         if kind == STATIC and motion.any():
@@ -205,3 +205,13 @@ class AddsBodies:
         self.shape_rows.remove_of(row)
         forget(self.tables, row)
         forget_contacts(self.tables, row)
+
+
+def _kind_of(static: bool, kinematic: bool) -> int:
+    """Return STATIC, KINEMATIC or DYNAMIC; ArgumentError if both flags are set."""
+    static, kinematic = choice("static", static), choice("kinematic", kinematic)
+    if static and kinematic:
+        raise ArgumentError(
+            "static=True and kinematic=True are mutually exclusive: a kinematic body has a velocity; choose one."
+        )
+    return STATIC if static else KINEMATIC if kinematic else DYNAMIC

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Literal
 from weakref import ReferenceType
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import choice
 from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import ShapeRows
@@ -97,6 +96,13 @@ class Bodies:
         self.free: list[int] = []
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two bodies would share a handle
         self.ground = self.add(STATIC, np.zeros(3), np.array([1.0, 0, 0, 0]))
+
+    def __len__(self) -> int:
+        return int((self.tables.array(BODY)[:, BODY_KIND] != REMOVED).sum())
+
+    def __iter__(self) -> Iterator[Body]:
+        """Iterate over the handles of all bodies, the ground first."""
+        return map(self.handle, np.flatnonzero(self.tables.array(BODY)[:, BODY_KIND] != REMOVED).tolist())
 
     def add(self, kind: int, position: Floats, orientation: Floats) -> Body:
         """Allocate a row for a body of a kind, at rest and without mass."""
@@ -283,13 +289,3 @@ class Bodies:
 def _six_of(m: Floats) -> Floats:
     """Return the elements of a symmetric (3, 3) matrix in the order of the tables: xx, yy, zz, xy, xz, yz."""
     return np.array([m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]])
-
-
-def kind_of(static: bool, kinematic: bool) -> int:
-    """Return STATIC, KINEMATIC or DYNAMIC; ArgumentError if both flags are set."""
-    static, kinematic = choice("static", static), choice("kinematic", kinematic)
-    if static and kinematic:
-        raise ArgumentError(
-            "static=True and kinematic=True are mutually exclusive: a kinematic body has a velocity; choose one."
-        )
-    return STATIC if static else KINEMATIC if kinematic else DYNAMIC

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.core.errors import ArgumentError
@@ -28,7 +27,6 @@ from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, Tables
 
 P = ParamSpec("P")
-_NAMES = ("__module__", "__name__", "__qualname__")
 _TITLE = "Parameters\n----------\n"
 _BODIES = "body_a, body_b : Body\n    None is the ground.\n"
 _OF_ALL = """
@@ -51,31 +49,45 @@ def _documentation(kind: Callable[..., Record], before: str = "") -> str:
     return text + _TITLE + before + own + _OF_ALL + after
 
 
-def _adds(kind: Callable[P, Record]) -> Callable[Concatenate[AddsJoints, Body | None, Body | None, P], Joint]:
+def _adds(
+    method: str, kind: Callable[P, Record]
+) -> Callable[Concatenate[AddsJoints, Body | None, Body | None, P], Joint]:
     """Make the method of a world that adds a joint of a kind; its arguments after the bodies are those of the record."""
 
     @shows_parameters_of(kind)
-    @functools.wraps(kind, _NAMES, ())
     def add(self: AddsJoints, body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
+        _check_names(method, kind, kwargs)
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
-    add.__doc__ = _documentation(kind, _BODIES)
+    _name(add, method, _documentation(kind, _BODIES))
     return cast(Callable[Concatenate["AddsJoints", Body | None, Body | None, P], Joint], add)
 
 
-def _couples(kind: Callable[P, Gear]) -> Callable[Concatenate[AddsJoints, P], Joint]:
+def _couples(method: str, kind: Callable[P, Gear]) -> Callable[Concatenate[AddsJoints, P], Joint]:
     """Make the method of a world that adds a gear, which takes joints instead of bodies."""
 
     @shows_parameters_of(kind)
-    @functools.wraps(kind, _NAMES, ())
     def add(self: AddsJoints, *args: P.args, **kwargs: P.kwargs) -> Joint:
+        _check_names(method, kind, kwargs)
         gear = kind(*args, **kwargs)
         for name in ("joint_a", "joint_b"):
             self.joints.row(getattr(gear, name), name)
         return self.joints.add(gear, *gear.bodies())
 
-    add.__doc__ = _documentation(kind)
+    _name(add, method, _documentation(kind))
     return cast(Callable[Concatenate["AddsJoints", P], Joint], add)
+
+
+def _name(add: Callable[..., Joint], method: str, documentation: str) -> None:
+    add.__name__, add.__qualname__, add.__doc__ = method, f"AddsJoints.{method}", documentation
+
+
+def _check_names(method: str, kind: Callable[..., Record], given: Iterable[str]) -> None:
+    """Refuse arguments that a kind of joint does not have."""
+    known = inspect.signature(kind).parameters
+    unknown = [name for name in given if name not in known]
+    if unknown:
+        raise ArgumentError(f"{unknown[0]}= is not an argument of {method}; it takes {', '.join(known)}.")
 
 
 class AddsJoints:
@@ -187,13 +199,13 @@ class AddsJoints:
         """
         self.joints.remove(joint)
 
-    add_ball_joint = _adds(Ball)
-    add_hinge = _adds(Hinge)
-    add_slider = _adds(Slider)
-    add_fixed_joint = _adds(Fixed)
-    add_universal_joint = _adds(Universal)
-    add_six_dof_joint = _adds(SixDof)
-    add_distance_joint = _adds(Distance)
-    add_rope_joint = _adds(Rope)
-    add_spring = _adds(Spring)
-    add_gear = _couples(Gear)
+    add_ball_joint = _adds("add_ball_joint", Ball)
+    add_hinge = _adds("add_hinge", Hinge)
+    add_slider = _adds("add_slider", Slider)
+    add_fixed_joint = _adds("add_fixed_joint", Fixed)
+    add_universal_joint = _adds("add_universal_joint", Universal)
+    add_six_dof_joint = _adds("add_six_dof_joint", SixDof)
+    add_distance_joint = _adds("add_distance_joint", Distance)
+    add_rope_joint = _adds("add_rope_joint", Rope)
+    add_spring = _adds("add_spring", Spring)
+    add_gear = _couples("add_gear", Gear)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 from weakref import ReferenceType
 
@@ -37,6 +38,10 @@ class Joints:
 
     def __len__(self) -> int:
         return int((self.tables.array(JOINT)[:, j.JOINT_KIND] != j.REMOVED_JOINT).sum())
+
+    def __iter__(self) -> Iterator[Joint]:
+        """Iterate over the handles of all joints."""
+        return map(self.handle, np.flatnonzero(self.tables.array(JOINT)[:, j.JOINT_KIND] != j.REMOVED_JOINT).tolist())
 
     @undivided
     def add(self, record: Record, body_a: int, body_b: int) -> Joint:
