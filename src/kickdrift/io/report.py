@@ -52,7 +52,7 @@ def report(solution: Solution) -> str:
 
 def _phase(solution: Solution, unit: str) -> str:
     """Return the phase error in words: how far the run is ahead of the exact motion, and how fast that grows."""
-    largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " in time"
+    largest = f"{largest_phase_error(solution):.3e} {unit}".rstrip() + " in time at most"
     return largest + (f", {phase_drift(solution):+.3e} per unit of time" if solution.t.size > 1 else "")
 
 
