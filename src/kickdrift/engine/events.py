@@ -8,6 +8,8 @@ Impacts: see `surface_events`.
 import math
 from collections.abc import Callable
 from functools import partial
+from itertools import repeat
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -230,8 +232,8 @@ class Watch:
         sign, found = self._sign, list(self._zeros)
         for k, brackets in joined_by_event(self._waiting):
             found += self._search(k, brackets.part(sign * (brackets.t + _NEAR * brackets.size) < sign * end))
-        found = sorted((zero for zero in found if sign * zero.t <= sign * end), key=lambda zero: sign * zero.t)
-        return tuple(tuple(zero for zero in found if zero.event == k) for k in range(len(self.events)))
+        found = sorted([zero for zero in found if sign * zero.t <= sign * end], key=attrgetter("t"), reverse=sign < 0.0)
+        return tuple(tuple([zero for zero in found if zero.event == k]) for k in range(len(self.events)))
 
     def _stop(self) -> Zero | None:
         """Return the first zero that ends the run."""
@@ -295,4 +297,4 @@ class Watch:
         share = search(*brackets[4:], at, tolerance_of(brackets))
         t, x, v, _, own = self._ask(event, brackets, share)
         middle = brackets.t + 0.5 * brackets.size
-        return [Zero(float(t[k]), float(middle[k]), event, x[k], v[k], int(taken[k] + own[k])) for k in range(t.size)]
+        return list(map(Zero, t.tolist(), middle.tolist(), repeat(event), x, v, (taken + own).tolist()))
