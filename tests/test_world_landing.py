@@ -166,6 +166,25 @@ def test_a_ball_of_grams_keeps_boxes_of_up_to_a_ton_apart(restitution, masses, s
     assert world.momentum() == pytest.approx(momentum, rel=1e-12, abs=1e-9)
 
 
+def test_what_happens_in_a_tube_does_not_depend_on_others_far_away():
+    """Forty tubes have more points that press than are eliminated at once; each is solved as if it were alone."""
+    apart = []
+    for count in (1, 40):
+        world, tubes, surface = World(gravity=(0, 0, 0)), [], {"restitution": 0.05, "friction": 0.5}
+        for y in 3.0 * np.arange(count):
+            boxes = [
+                world.add_box(
+                    (0.4, 0.5, 0.5), mass=mass, position=(side / 2, y, 0), velocity=(-9.6 * side, 0, 0), **surface
+                )
+                for mass, side in ((716, -1), (863, 1))
+            ]
+            world.add_sphere(0.08, mass=1.1e-4, position=(0, y, 0), **surface)
+            tubes.append(boxes)
+        world.advance(STEP, 6)
+        apart.append([b.position[0] - a.position[0] for a, b in tubes])
+    assert apart[1] == pytest.approx(40 * apart[0], abs=1e-9)
+
+
 def test_elimination_releases_points_that_would_have_to_pull():
     """Three light balls of other sizes between plates that close obliquely: some press, some do not."""
     random = np.random.default_rng(4)

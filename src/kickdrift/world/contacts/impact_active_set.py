@@ -16,6 +16,8 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied, dot, times
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.active_impacts import may_change, note_change
+from kickdrift.world.contacts.impact_motion import is_moved
 from kickdrift.world.contacts.impact_points import (
     BOUNCE,
     IMPACT_POINTS,
@@ -31,24 +33,63 @@ from kickdrift.world.contacts.impact_points import (
     separating_speed,
     vector_in,
 )
-from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
-from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, floats, integers, rows
+from kickdrift.world.layout import GROUP, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
+from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, floats, integers, rows
 
-_MOST = 64  # points; larger rounds are left to the sweeps
+_MOST = 64  # points; larger groups are left to the sweeps
 _ROOM = _MOST * _MOST
 _SHIFT = 1e-12  # of a response: shares the impulse of points whose responses depend on each other, as those of a face
 
 
 @compiled
-def solve_pressed(world: int, stopping: bool, rubbing: bool, thrown: bool) -> bool:
-    """Bring the points of a round that press to their target velocities; return whether any impulse has changed.
+def solve_pressed(world: int, sweep: int, stopping: bool, rubbing: bool, thrown: bool) -> None:
+    """Bring the points that press to their target velocities, in each group of contacts that a sweep has still changed.
 
     Targets, bounds and points are those of `kickdrift.world.contacts.simultaneous_impact`: plastic impulses if `stopping`,
-    between sweeps over friction if `rubbing`, impulses after restitution if `thrown`.
+    between sweeps over friction if `rubbing`, impulses after restitution if `thrown`. Movable bodies connect contacts to
+    groups, and what happens in one does not depend on the others.
     """
+    _find_groups(world)
+    for first in range(rows(world, IMPACT)):
+        if _group(world, first) == first and _solve_group(world, first, sweep, stopping, rubbing, thrown):
+            for hit in range(first, rows(world, IMPACT)):
+                if _group(world, hit) == first:
+                    note_change(world, int(floats(world, IMPACT)[hit, ROW]), sweep)
+
+
+@compiled
+def _find_groups(world: int) -> None:
+    """Give the bodies of each group the number of its first hit."""
+    kicked, changed = floats(world, KICKED), True
+    for hit in range(rows(world, IMPACT)):
+        for body in _bodies(world, 4 * hit):
+            if is_moved(world, body):
+                kicked[body, GROUP] = hit
+    while changed:
+        changed = False
+        for hit in range(rows(world, IMPACT)):
+            group = _group(world, hit)
+            for body in _bodies(world, 4 * hit):
+                if is_moved(world, body) and kicked[body, GROUP] != group:
+                    kicked[body, GROUP], changed = group, True
+
+
+@compiled(inline=True)
+def _group(world: int, hit: int) -> int:
+    """Return the least group of the movable bodies of a hit."""
+    kicked, group = floats(world, KICKED), hit
+    for body in _bodies(world, 4 * hit):
+        if is_moved(world, body):
+            group = min(group, int(kicked[body, GROUP]))
+    return group
+
+
+@compiled
+def _solve_group(world: int, first: int, sweep: int, stopping: bool, rubbing: bool, thrown: bool) -> bool:
+    """Solve the points of a group that press; return whether any impulse has changed."""
     points, matrix = carray(floats_on_stack(_MOST), (_MOST,)), carray(floats_on_stack(_ROOM), (_ROOM,))
     pivots, change = carray(floats_on_stack(_MOST), (_MOST,)), carray(floats_on_stack(_MOST), (_MOST,))
-    count, changed = _find_pressed(world, stopping, rubbing, thrown, points), False
+    count, changed = _find_pressed(world, first, sweep, stopping, rubbing, thrown, points), False
     while 0 < count <= _MOST:
         for i in range(count):
             for j in range(count):
@@ -60,7 +101,7 @@ def solve_pressed(world: int, stopping: bool, rubbing: bool, thrown: bool) -> bo
         lu_solve(matrix[: count * count], pivots[:count], change[:count])
         part, blocking = 1.0, -1
         for i in range(count):
-            above = _impulse_above_bound(world, int(points[i]), rubbing)
+            above = max(_impulse_above_bound(world, int(points[i]), rubbing), 0.0)  # rounding leaves some below
             if above + part * change[i] < 0.0:
                 part, blocking = -above / change[i], i
         for i in range(count):
@@ -74,10 +115,16 @@ def solve_pressed(world: int, stopping: bool, rubbing: bool, thrown: bool) -> bo
 
 
 @compiled
-def _find_pressed(world: int, stopping: bool, rubbing: bool, thrown: bool, points: Any) -> int:
-    """List the points that press or approach, four to a contact, and return their number; more than fit are only counted."""
-    impact, count = floats(world, IMPACT), 0
-    for hit in range(rows(world, IMPACT)):
+def _find_pressed(world: int, first: int, sweep: int, stopping: bool, rubbing: bool, thrown: bool, points: Any) -> int:
+    """List the points of a group that press or approach, four to a contact, and return their number; 0 if it has settled.
+
+    More than fit are only counted.
+    """
+    impact, count, settled = floats(world, IMPACT), 0, True
+    for hit in range(first, rows(world, IMPACT)):
+        if _group(world, hit) != first:
+            continue
+        settled = settled and not may_change(world, int(impact[hit, ROW]), sweep + 1)
         for k in range(4):
             plastic = impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC]
             if plastic < 0.0 or (not stopping and plastic == 0.0 and not thrown):
@@ -87,7 +134,7 @@ def _find_pressed(world: int, stopping: bool, rubbing: bool, thrown: bool, point
                 if count < _MOST:
                     points[count] = which
                 count += 1
-    return count
+    return 0 if settled else count
 
 
 @compiled(inline=True)

@@ -144,9 +144,8 @@ def _sweep(world: int, sweeps: int, part: int, scale: float) -> float:
                 settled = False
         if settled:
             break
-        if sweep % _FEW == _FEW - 1 and solve_pressed(world, part == _PLASTIC, part == _FRICTION, part == _THROWN):
-            for hit in range(count):
-                note_change(world, int(impact[hit, ROW]), sweep)
+        if sweep % _FEW == _FEW - 1:
+            solve_pressed(world, sweep, part == _PLASTIC, part == _FRICTION, part == _THROWN)
     return scale
 
 
