@@ -592,6 +592,10 @@ def test_names_of_ranges_that_arrays_have_are_refused_where_arrays_get_labels():
         with pytest.raises(kd.KickdriftError, match="args has the name 'x'"):
             convert()
     assert "w" in dataclasses.replace(sol, parameters={"w": sol.parameters["x"]}).to_pandas()
+    timed = dataclasses.replace(sol, parameters={"t": sol.parameters["x"]})
+    with pytest.raises(kd.KickdriftError, match="args has the name 't'"):  # a level of the index
+        timed.to_pandas()
+    assert timed.to_xarray()["t"].dims == ("member",)
 
 
 def test_members_are_solutions():

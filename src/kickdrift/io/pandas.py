@@ -71,7 +71,7 @@ def _frame(solution: Solution | EnsembleSolution, index: Any, swept: Mapping[str
         for name, values in swept.items()
         for column, numbers in _columns(name, values, [])
     }
-    check_swept(of_members, columns)
+    check_swept(of_members, [*columns, *index.names])
     frame = _pandas("Solution").DataFrame({**of_members, **columns}, index=index)
     frame.attrs["units"] = {column: unit for column, unit in units.items() if unit}
     return frame

@@ -14,6 +14,6 @@ def check_swept(swept: Iterable[str], taken: Iterable[str]) -> None:
     """
     if known := sorted({*swept} & {*taken}):
         raise KickdriftError(
-            f"args has the name {known[0]!r}, and so have states or conserved quantities; with"
+            f"args has the name {known[0]!r}, and so have times, states or conserved quantities; with"
             " dataclasses.replace(solution, parameters={...}) it gets another."
         )
