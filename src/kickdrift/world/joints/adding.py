@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Concatenate, ParamSpec, cast
 
 from kickdrift.core.errors import ArgumentError
@@ -53,10 +53,11 @@ def _adds(
     method: str, kind: Callable[P, Record]
 ) -> Callable[Concatenate[AddsJoints, Body | None, Body | None, P], Joint]:
     """Make the method of a world that adds a joint of a kind; its arguments after the bodies are those of the record."""
+    known = tuple(inspect.signature(kind).parameters)
 
     @shows_parameters_of(kind)
     def add(self: AddsJoints, body_a: Body | None, body_b: Body | None, *args: P.args, **kwargs: P.kwargs) -> Joint:
-        _check_names(method, kind, kwargs)
+        _check_names(method, known, kwargs)
         return self.add_joint(body_a, body_b, kind(*args, **kwargs))
 
     _name(add, method, _documentation(kind, _BODIES))
@@ -65,10 +66,11 @@ def _adds(
 
 def _couples(method: str, kind: Callable[P, Gear]) -> Callable[Concatenate[AddsJoints, P], Joint]:
     """Make the method of a world that adds a gear, which takes joints instead of bodies."""
+    known = tuple(inspect.signature(kind).parameters)
 
     @shows_parameters_of(kind)
     def add(self: AddsJoints, *args: P.args, **kwargs: P.kwargs) -> Joint:
-        _check_names(method, kind, kwargs)
+        _check_names(method, known, kwargs)
         gear = kind(*args, **kwargs)
         for name in ("joint_a", "joint_b"):
             self.joints.row(getattr(gear, name), name)
@@ -82,9 +84,8 @@ def _name(add: Callable[..., Joint], method: str, documentation: str) -> None:
     add.__name__, add.__qualname__, add.__doc__ = method, f"AddsJoints.{method}", documentation
 
 
-def _check_names(method: str, kind: Callable[..., Record], given: Iterable[str]) -> None:
+def _check_names(method: str, known: Sequence[str], given: Iterable[str]) -> None:
     """Refuse arguments that a kind of joint does not have."""
-    known = inspect.signature(kind).parameters
     unknown = [name for name in given if name not in known]
     if unknown:
         raise ArgumentError(f"{unknown[0]}= is not an argument of {method}; it takes {', '.join(known)}.")
