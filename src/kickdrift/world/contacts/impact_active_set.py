@@ -36,7 +36,7 @@ from kickdrift.world.contacts.impact_points import (
 from kickdrift.world.layout import GROUP, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, floats, integers, rows
 
-_MOST = 64  # points; larger groups are left to the sweeps
+_MOST = 128  # points; larger groups are left to the sweeps
 _ROOM = _MOST * _MOST
 _SHIFT = 1e-12  # of a response: shares the impulse of points whose responses depend on each other, as those of a face
 
