@@ -109,7 +109,7 @@ def test_a_file_of_text_is_refused_without_the_advice_to_load_pickles(tmp_path):
     path = tmp_path / "notes.npz"
     path.write_text("hello")
     with pytest.raises(
-        FileFormatError, match="is not a kickdrift solution .not an npz file of plain arrays.; give"
+        FileFormatError, match=r"is not a kickdrift solution .not an npz file of plain arrays.; give"
     ) as caught:
         kd.load(path)
     assert "pickle" not in str(caught.value)
