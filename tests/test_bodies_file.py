@@ -53,7 +53,9 @@ def test_units_ask_for_their_constant_of_gravitation(tmp_path):
     assert load_bodies_file(write(tmp_path, bodies)).system.params[0] == 1.0
     assert "without G" in error_of(tmp_path, '[units]\nlength = "au"\ntime = "year"\n' + bodies)
     sentence = error_of(tmp_path, '[units]\nlength = "furlong"\n' + bodies)
-    assert sentence.startswith("bodies.toml: units.length='furlong': is unknown; known: au,")
+    assert sentence.startswith("bodies.toml: units.length='furlong': the unit is unknown; known: au,")
+    sentence = error_of(tmp_path, '[units]\ntime = "yaer"\n' + bodies)
+    assert sentence == "bodies.toml: units.time='yaer': the unit is unknown; did you mean 'year' or 'yr' or 'years'?"
 
 
 def test_a_table_beside_it_is_the_same_bodies(tmp_path):

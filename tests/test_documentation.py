@@ -8,7 +8,9 @@ import re
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import kickdrift as kd
 
@@ -62,6 +64,27 @@ def test_a_signature_shows_the_options_that_a_method_passes_on_and_no_others():
     assert "mass" not in inspect.signature(kd.World.add_mesh).parameters
     assert list(inspect.signature(kd.World.add_gear).parameters)[:4] == ["self", "joint_a", "joint_b", "ratio"]
     assert inspect.signature(kd.World.add_cloth_grid).parameters["density"].default == 0.2
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)
+def test_modules_list_their_public_names_and_nothing_else(module):
+    assert dir(module) == sorted(module.__all__)
+
+
+def test_signatures_name_the_types_of_arrays():
+    public = {name: getattr(module, name) for module in MODULES for name in module.__all__}
+    for shown in (*SHOWN_WITH_METHODS, kd.analysis.WorkPrecision):
+        public |= {f"{shown.__name__}.{name}": getattr(shown, name) for name in dir(shown) if name[0] != "_"}
+    public = {name: one for name, one in public.items() if callable(one) and not isinstance(one, ModuleType)}
+    assert not [name for name, one in public.items() if "numpy.ndarray" in signature(one)]
+    assert "numpy.ndarray" in str(inspect.signature(lambda x: x).replace(return_annotation=NDArray[np.float64]))
+
+
+def signature(one):
+    try:
+        return str(inspect.signature(one))
+    except ValueError:  # of a class without one
+        return ""
 
 
 def with_examples():

@@ -1,5 +1,6 @@
 """Pictures: what is in them, and what happens where there is nothing to draw or nowhere to write."""
 
+import math
 import sys
 from dataclasses import replace
 from itertools import combinations
@@ -109,6 +110,13 @@ def test_an_orbit_kept_too_rarely_is_drawn_as_dots():
     often, rarely = (solved(kepler, end=60.0, step=0.05, save_every=n) for n in (1, 60))
     assert often.plot().axes[0].lines[0].get_linestyle() == "-"
     assert rarely.plot().axes[0].lines[0].get_linestyle() == "None"
+
+
+@pytest.mark.parametrize("turns", [0.6, 0.9, 1.1, 2.05, 7.1])
+def test_an_orbit_that_goes_round_between_its_states_is_drawn_as_dots(turns):
+    period = 2 * math.pi
+    s = solved(kd.systems.kepler(0.3), end=60 * turns * period, step=turns * period / 200, save_every=200)
+    assert s.plot().axes[0].lines[0].get_linestyle() == "None"
 
 
 def test_an_orbit_kept_rarely_is_filled_up_to_a_curve():

@@ -105,6 +105,16 @@ def _empty(path):
     path.touch()
 
 
+def test_a_file_of_text_is_refused_without_the_advice_to_load_pickles(tmp_path):
+    path = tmp_path / "notes.npz"
+    path.write_text("hello")
+    with pytest.raises(
+        FileFormatError, match=r"is not a kickdrift solution .not an npz file of plain arrays.; give"
+    ) as caught:
+        kd.load(path)
+    assert "pickle" not in str(caught.value)
+
+
 @pytest.mark.parametrize(
     "write",
     [_text, _pickle, _object_array, _foreign_arrays, _bad_header, _other_format, _empty_zip, _single_array, _empty],

@@ -45,3 +45,7 @@ __all__ = [
     "tangent_map",
     "work_precision",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

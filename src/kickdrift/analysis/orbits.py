@@ -1,5 +1,7 @@
 """Orbital elements of bodies around a heavy one."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

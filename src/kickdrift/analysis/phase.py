@@ -1,5 +1,7 @@
 """Phase error along a solution: the time by which a run is ahead of the exact motion, or of a finer run."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

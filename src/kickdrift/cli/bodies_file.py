@@ -111,7 +111,8 @@ def _complain(error: ValidationError, place: Callable[[Location], str]) -> NoRet
     else:
         reason = str(first.get("ctx", {}).get("error", first["msg"])).rstrip(".")
         value = repr(first["input"])
-        sentence = f"={value if len(value) < 60 else value[:60] + '...'}: {reason[0].lower()}{reason[1:]}."
+        end = "" if reason.endswith("?") else "."
+        sentence = f"={value if len(value) < 60 else value[:60] + '...'}: {reason[0].lower()}{reason[1:]}{end}"
     raise FileFormatError(f"{place(location)}{sentence}") from None
 
 

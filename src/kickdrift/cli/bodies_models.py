@@ -48,7 +48,7 @@ class Units(_Strict):
     def _known(cls, value: str, info: ValidationInfo) -> str:
         known = {"time": TIMES, "length": LENGTHS, "mass": MASSES}[str(info.field_name)]
         if value and value not in known:
-            raise ValueError(str(unknown_name("it", value, known)).removeprefix(f"it={value!r} "))
+            raise ValueError("the unit " + str(unknown_name("unit", value, known)).removeprefix(f"unit={value!r} "))
         return value
 
     @property

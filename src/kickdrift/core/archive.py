@@ -128,8 +128,11 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
     except OSError as error:
         raise FileFormatError(f"path={str(path)!r} cannot be read: {error.strerror or error}.") from None
     except _FOREIGN as error:
+        # NumPy takes every file that is not its own for a pickle, and advises to load it.
+        pickle = isinstance(error, ValueError) and "pickle" in str(error)
+        reason = "not an npz file of plain arrays" if pickle else f"{type(error).__name__}: {error}"
         raise FileFormatError(
-            f"path={str(path)!r} is not {what} ({type(error).__name__}: {error}); give a file that {writer} wrote."
+            f"path={str(path)!r} is not {what} ({reason}); give a file that {writer} wrote."
         ) from None
 
 

@@ -61,6 +61,11 @@ __all__ = [
     "word",
 ]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 _TABLES = (
     euler,
     stormer_verlet,

@@ -13,3 +13,7 @@ __all__ = [
     "plot_stability_region",
     "plot_work_precision",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

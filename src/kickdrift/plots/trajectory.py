@@ -18,6 +18,9 @@ Floats = NDArray[np.float64]
 _MOST_POINTS = 50_000  # of all bodies together; more change nothing that can be seen
 _SMOOTH_TURN = 0.2  # radians between two points that the eye takes for a curve
 _LOST_TURN = 2.0  # radians between two states that do not say any more which way the body went
+_LOST_CHORD = (
+    0.84  # of the length of an arc that turns by so much; any that turns by more than once has a third at most
+)
 _MOST_NAMES = 30
 _MOST_COORDINATES = len(COLOURS)
 
@@ -163,7 +166,10 @@ def _curve(t: Floats, path: Floats, velocity: Floats) -> Floats | None:
     crosses = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
     turns = np.abs(np.arctan2(crosses, (ahead * behind).sum(axis=1)))
     turn = float(np.median(turns)) if turns.size else 0.0
-    if turn > _LOST_TURN:
+    arcs = np.abs(np.diff(t)) * (np.linalg.norm(behind, axis=1) + np.linalg.norm(ahead, axis=1)) / 2
+    chords = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    moves = arcs > 0
+    if turn > _LOST_TURN or (moves.any() and np.median(chords[moves] / arcs[moves]) < _LOST_CHORD):
         return None
     pieces = max(1, int(np.ceil(turn / _SMOOTH_TURN)))
     s = (np.arange(pieces) / pieces)[:, None]

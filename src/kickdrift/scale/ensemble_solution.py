@@ -1,5 +1,7 @@
 """The result of an ensemble: the states of all members, and how each of them ended."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

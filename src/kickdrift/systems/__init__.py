@@ -52,6 +52,11 @@ __all__ = [
     "solar_system",
 ]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 _CATALOGUE: dict[str, Callable[[], System]] = {
     "harmonic-oscillator": harmonic_oscillator,
     "pendulum": pendulum,

@@ -1,5 +1,7 @@
 """Conserved quantities of a world: energy, momentum and angular momentum."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

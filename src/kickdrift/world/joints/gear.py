@@ -1,5 +1,7 @@
 """The gear, which couples axes of two joints: meshing wheels, belts, racks and screws."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

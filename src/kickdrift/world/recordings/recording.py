@@ -1,5 +1,7 @@
 """Recordings: the motion of a world, as a solution with bodies as a dimension."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn
