@@ -25,7 +25,7 @@ import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, KickdriftError, MissingExtraError
 from kickdrift.scenes import worlds
 from kickdrift.viewer.bodies import on_planes
-from kickdrift.viewer.controls import driven_axes
+from kickdrift.viewer.controls import driven_axes, motor_axes
 from kickdrift.viewer.grip import Grip
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.server import local_server
@@ -491,6 +491,21 @@ def test_sliders_are_there_for_drives_that_pull_to_a_target():
     for _, found, axis in driven_axes(world):
         found.set_drive(None, axis)
     assert driven_axes(world) == []
+
+
+def test_sliders_set_the_speeds_of_motors():
+    world = kd.World(gravity=(0, 0, 0))
+    wheel = world.add_cylinder(0.2, 0.1, mass=1.0)
+    hinge = world.add_hinge(None, wheel, (0, 0, 0), (0, 0, 1), motor=kd.Motor(speed=8.0, maximum=5.0), name="wheel")
+    assert motor_axes(world) == [("wheel", hinge, 3)]
+    assert driven_axes(world) == []
+    with world.view(1 / 60, port=0) as page, Browser(page.url) as browser:
+        until(lambda: browser.has("wheel"), "a slider")
+        props = browser.gui[browser.find("wheel")]["props"]
+        assert (props["min"], props["max"], browser.value("wheel")) == (-16.0, 16.0, 8.0)
+        browser.set("wheel", -3.0)
+        until(lambda: hinge.motor() == kd.Motor(speed=-3.0, maximum=5.0), "the motor")
+        until(lambda: abs(hinge.speed + 3.0) < 1e-6, "the wheel to turn")
 
 
 def test_the_camera_sees_where_things_fall():

@@ -19,6 +19,7 @@ def shows_parameters_of(source: Callable[..., Any], leave_out: tuple[str, ...] =
         own = [
             each for each in signature.parameters.values() if each.kind not in (each.VAR_POSITIONAL, each.VAR_KEYWORD)
         ]
+        own = [each.replace(annotation=each.empty) if each.name == "self" else each for each in own]
         by_keyword = not any(each.kind == each.VAR_POSITIONAL for each in signature.parameters.values())
         known = {*(each.name for each in own), *leave_out, "self"}
         passed_on = [each for each in inspect.signature(source).parameters.values() if each.name not in known]

@@ -12,10 +12,12 @@ from kickdrift.world.tables import JOINT
 from kickdrift.world.world import World
 
 Do = Callable[[Callable[[], None]], None]
+Axes = list[tuple[str, Joint, int]]  # what to call each, its joint, and which axis it is
 _SPEEDS = (0.05, 4.0)
 _SUBSTEPS = 32  # at most, or those that the world has
 _MOST_SLIDERS = 40  # of joints
 _WIDE = (1.0, 3.14)  # m and rad on either side of the target, where a joint has no limits
+_FAST = (2.0, 10.0)  # m/s and rad/s, or twice the present speed of a motor if that is more
 
 
 class Controls:
@@ -43,13 +45,8 @@ class Controls:
         self._follow(contacts, lambda: live.shows_contacts, lambda value: setattr(live, "shows_contacts", value))
         with gui.add_folder("World"):
             self._add_settings(gui)
-        axes = driven_axes(live.world)
-        if axes:
-            with gui.add_folder("Targets of joints"):
-                for name, joint, axis in axes[:_MOST_SLIDERS]:
-                    self._add_target(gui, name, joint, axis)
-                if len(axes) > _MOST_SLIDERS:
-                    gui.add_markdown(f"and {len(axes) - _MOST_SLIDERS} more that have no slider here")
+        self._add_axes(gui, "Targets of joints", driven_axes(live.world), self._add_target)
+        self._add_axes(gui, "Speeds of motors", motor_axes(live.world), self._add_speed)
 
     def show(self) -> None:
         """Send what has changed in words and on the button."""
@@ -88,6 +85,15 @@ class Controls:
         sleeping = gui.add_checkbox("Sleeping", world.sleeping, hint="Skip islands at rest")
         self._follow(sleeping, lambda: world.sleeping, lambda value: setattr(world, "sleeping", value))
 
+    def _add_axes(self, gui: Any, title: str, axes: Axes, add: Callable[[Any, str, Joint, int], None]) -> None:
+        if not axes:
+            return
+        with gui.add_folder(title):
+            for name, joint, axis in axes[:_MOST_SLIDERS]:
+                add(gui, name, joint, axis)
+            if len(axes) > _MOST_SLIDERS:
+                gui.add_markdown(f"and {len(axes) - _MOST_SLIDERS} more that have no slider here")
+
     def _add_target(self, gui: Any, name: str, joint: Joint, axis: int) -> None:
         def target() -> float:
             drive = joint.drive(axis)
@@ -105,17 +111,45 @@ class Controls:
         slider = gui.add_slider(name, low, high, wide / 200, now, hint="rad" if axis >= 3 else "m")
         self._follow(slider, target, aim)
 
+    def _add_speed(self, gui: Any, name: str, joint: Joint, axis: int) -> None:
+        def speed() -> float:
+            motor = joint.motor(axis)
+            return 0.0 if motor is None else motor.speed
 
-def driven_axes(world: World) -> list[tuple[str, Joint, int]]:
+        def turn(value: float) -> None:
+            motor = joint.motor(axis)
+            if motor is not None:
+                joint.set_motor(replace(motor, speed=value), axis)
+
+        now = speed()
+        most = max(_FAST[axis >= 3], 2.0 * abs(now))
+        slider = gui.add_slider(name, -most, most, most / 100, now, hint="rad/s" if axis >= 3 else "m/s")
+        self._follow(slider, speed, turn)
+
+
+def driven_axes(world: World) -> Axes:
     """Return the axes whose drives pull to a target that can be changed: what to call each, its joint, and which it is."""
+
+    def is_driven(joint: Joint, axis: int) -> bool:
+        drive = joint.drive(axis)
+        return drive is not None and drive.stiffness > 0.0
+
+    return _axes_of(world, is_driven)
+
+
+def motor_axes(world: World) -> Axes:
+    """Return the axes with motors, likewise."""
+    return _axes_of(world, lambda joint, axis: joint.motor(axis) is not None)
+
+
+def _axes_of(world: World, wanted: Callable[[Joint, int], bool]) -> Axes:
     found = []
     for row, columns in enumerate(world.tables.array(JOINT)):
         if columns[JOINT_KIND] == REMOVED_JOINT:
             continue
         joint = world.joints.handle(row)
         last = 3 if columns[ANGULAR] == SWING_TWIST else 6
-        drives = [joint.drive(axis) for axis in range(last)]
-        axes = [axis for axis, drive in enumerate(drives) if drive is not None and drive.stiffness > 0.0]
+        axes = [axis for axis in range(last) if wanted(joint, axis)]
         name = joint.name or f"joint {row}"
         found += [(name if len(axes) == 1 else f"{name}, axis {axis}", joint, axis) for axis in axes]
     return found
