@@ -64,6 +64,18 @@ def test_it_shows_its_evidence():
     assert list(found.to_pandas()["method"]) == [trial.method for trial in found.trials]
 
 
+def test_the_error_expected_is_that_of_the_step_advised_also_over_few_steps():
+    def driven(t, x, v):
+        return -x - 0.3 * v + np.cos(t)
+
+    start = 1.0, 0.0
+    [trial] = kd.advise(driven, (0.0, 50.0), 1e-7, *start, methods=["dop853"]).trials
+    sol = kd.solve(driven, (0.0, 50.0), *start, method="dop853", step=trial.step)
+    finer = kd.solve(driven, (0.0, 50.0), *start, method="dop853", step=0.05)
+    error = np.hypot(sol.x[-1] - finer.x[-1], sol.v[-1] - finer.v[-1]) / np.hypot(finer.x[-1], finer.v[-1])
+    assert trial.error == pytest.approx(error, rel=0.5)
+
+
 def test_backwards_with_friction_and_of_first_order():
     backwards = kd.advise(kd.systems.pendulum(), (0.0, -50.0), 1e-5, methods=["kahan-li-8"])
     assert backwards.span == -50.0

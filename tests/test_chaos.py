@@ -247,3 +247,8 @@ def test_bodies_that_merge_are_refused_by_one_sentence():
         with pytest.raises(ArgumentError, match="Leave the radii out") as refused:
             call()
         assert str(refused.value).count("have radii, and") == 1
+
+
+def test_exponents_are_shown_on_one_line():
+    found = analysis.lyapunov_exponent(lambda x: x, (0.0, 20.0), [1e-3], [0.0], step=0.05, compile=False)
+    assert repr(found) == "<LyapunovExponents 1.002 per unit of time, from 20 renormalisations to t=20>"

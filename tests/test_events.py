@@ -230,6 +230,22 @@ def test_all_zeros_within_a_step_are_found_with_a_bound_of_the_rate(direction, e
 
 
 @pytest.mark.parametrize("ensemble", [False, True])
+def test_zeros_as_close_as_a_hundred_thousandth_of_a_step_are_found_with_a_bound_of_the_rate(ensemble):
+    def turn(x):
+        return (x[0] - 0.5) * (x[0] - 0.50001)
+
+    turn.rate_bound = 2.0
+    options = {"step": 0.5, "method": "kahan-li-8", "events": turn, "progress": False}
+    if ensemble:
+        sol = kd.solve_ensemble(lambda x: -x, (0.0, 100.0), np.ones((9, 1)), np.zeros((9, 1)), **options)[8]
+    else:
+        sol = kd.solve(lambda x: -x, (0.0, 100.0), [1.0], [0.0], **options)
+    times = np.arccos([0.50001, 0.5])
+    every = np.add.outer(2 * np.pi * np.arange(17), [*times, *(-times)]).ravel()
+    np.testing.assert_allclose(sol.t_events[0], np.sort(every[(every > 0) & (every < 100)]), atol=2e-6)
+
+
+@pytest.mark.parametrize("ensemble", [False, True])
 def test_a_bound_of_the_rate_that_is_refuted_ends_the_run(ensemble):
     """Zeros between steps would be missed: of 63, 5 were found."""
     blink = with_attributes(lambda t, x: np.cos(40 * t) - 0.999 + 0 * x[0], rate_bound=1.0)

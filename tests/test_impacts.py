@@ -603,3 +603,17 @@ def test_gaps_that_stop_being_numbers_end_the_run():
     )
     assert sol.status is Outcome.NO_STEP
     assert sol.t[-1] == pytest.approx(0.5, abs=0.02)
+
+
+def test_energy_that_impacts_take_is_no_error():
+    """Two bodies fall from 1 to 0.2, where each rebound is weaker: the energy sinks from -1 to -5."""
+    pair = kd.systems.nbody([1.0, 1.0], [[0, 0, 0], [1, 0, 0]], np.zeros((2, 3)), G=1.0)
+    sol = kd.solve(
+        pair,
+        (0.0, 5.0),
+        step=0.002,
+        method="velocity-verlet",
+        impacts=kd.Impacts(kd.sphere_gaps([0.1, 0.1]), restitution=0.3),
+    )
+    assert sol.energy[-1] == pytest.approx(-5.0, abs=1e-9)
+    assert sol.message == "The end of t_span was reached."

@@ -417,13 +417,28 @@ def test_noise_has_steps_of_one_size():
         kd.solve(bath, (0, 1.0), 1.0, 0.0, step=0.1, step_control="acceleration")
 
 
-def test_a_density_that_reaches_zero_ends_the_run_where_it_was_good():
-    sol = kd.solve(
-        lambda x: 0 * x, (0, 10.0), [1.0], [-1.0], step=0.01, step_control=lambda x: x[0], method="velocity-verlet"
-    )
+@pytest.mark.parametrize("control", [kd.HairerSoderlind, kd.HuangLeimkuhler, kd.TimeTransformed])
+def test_a_density_that_reaches_zero_ends_the_run_where_it_was_good(control):
+    sol = kd.solve(lambda x: 0 * x, (0, 10.0), [1.0], [-1.0], step=0.01, step_control=control(lambda x: x[0]))
     assert sol.status is Outcome.NO_STEP
-    assert 0.7 < sol.t[-1] < 1.0
-    assert "returned NaN" in sol.message
+    assert 0.7 < sol.t[-1] < 1.001
+    assert "The step density" in sol.message
+    assert "zero" in sol.message
+
+
+@pytest.mark.parametrize("control", [kd.HairerSoderlind, kd.HuangLeimkuhler, kd.TimeTransformed])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
+def test_a_density_that_jumps_to_no_density_is_said_to(control, value):
+    sol = kd.solve(
+        lambda x: 0 * x,
+        (0, 10.0),
+        [1.0],
+        [-1.0],
+        step=0.01,
+        step_control=control(lambda x: 1.0 if x[0] > 0.5 else value),
+    )
+    assert 0.4 < sol.t[-1] < 0.51
+    assert "is zero, negative or not a number there" in sol.message
 
 
 def test_a_singularity_ends_steps_by_their_error():

@@ -43,6 +43,10 @@ class LyapunovExponents:
     t: Floats
     running: Floats
 
+    def __repr__(self) -> str:
+        values = ", ".join(f"{value:.4g}" for value in self.values)
+        return f"<LyapunovExponents {values} per unit of time, from {self.t.size} renormalisations to t={self.t[-1]:g}>"
+
 
 def lyapunov_exponent(
     problem: System | Problem | Callable[..., Any],

@@ -117,7 +117,8 @@ def tried(run: Any, method: methods.Method, pilot: Pilot, tolerance: float, kind
 
 def _trial(method: methods.Method, step: float, last: _Run, pilot: Pilot, wanted: float, runs: int) -> Trial:
     scale = abs(pilot.span) * last.step / step
-    expected = last.expected if last.error > pilot.exact_to else wanted
+    finer = (step / last.step) ** method.order  # its steps were of a whole number of rows
+    expected = last.expected * finer if last.error > pilot.exact_to else wanted
     cost = last.evaluations * scale, last.seconds * scale
     return Trial(method.name, step, *cost, expected, last.energy_error, last.growth, runs)
 

@@ -6,13 +6,23 @@ from kickdrift.engine.flows.layout import (
     FAILED_CONTROL,
     JAMMED,
     LOST_TO_ROUNDING,
+    MISSED_DENSITY,
     MISSED_SWITCH,
     NOT_HELD,
+    UNFIT_DENSITY,
     UNSIGNED_GAP,
 )
 
 NO_STEP = {
     FAILED_CONTROL: " The step control returned NaN, or the motion was lost.",
+    UNFIT_DENSITY: (
+        " The step density, or -U or T - E of the logarithmic Hamiltonian, is zero, negative or not a number there. Give a"
+        " density that stays positive, or try a smaller step."
+    ),
+    MISSED_DENSITY: (
+        " The step density changes too much there for steps of this size, or nears zero. Try a smaller step, or a density"
+        " that stays away from zero."
+    ),
     LOST_TO_ROUNDING: (
         " The steps have become shorter than the spacing of numbers at t: the motion goes to infinity there, bodies collide,"
         " or a function jumps or is not a number."

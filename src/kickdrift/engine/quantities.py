@@ -125,10 +125,11 @@ def evaluate_quantity(
 def energy_lost(system: System, t: Floats, x: Floats, v: Floats) -> str:
     """Return a sentence on an energy that is farther off at the end than it was large, kinetic and potential; or nothing.
 
-    Forces that change with time, friction and noise do work: there it is not meaningful. A function that raises does so when
-    it is accessed, and not here.
+    Forces that change with time, friction, noise, impacts and switches do work: there it is not meaningful. A function that
+    raises does so when it is accessed, and not here.
     """
     conserved = Kind.HAMILTONIAN.includes(system.kind) or system.kind is Kind.CONSTRAINED
+    conserved = conserved and "gaps" not in system.parts
     times = 0.0
     if "energy" in system.quantities and t.size > 1 and conserved:
         with suppress(Exception):

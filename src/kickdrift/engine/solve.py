@@ -98,9 +98,10 @@ def solve(
         method: ``solution.t_events``, and the states there. A function may have attributes. With a positive ``direction``
         only zeros at which it increases count, with a negative one those at which it decreases. With ``terminal``, True or a
         number n, the run ends at the first, or the n-th, zero. With ``rate_bound``, a bound on its rate of change, all zeros
-        more than 1/256 of a step apart are found, and the run ends if it changes faster; without, two zeros within a step
-        are missed. A zero at the start does not count. A function that jumps over zero in an impact has a zero there, and so
-        has a gap that closes in one; the states are those after the impact.
+        more than a millionth of a step apart are found, or 1/256 where the function stays near zero for a whole step, and
+        the run ends if it changes faster; without, two zeros within a step are missed. A zero at the start does not count. A
+        function that jumps over zero in an impact has a zero there, and so has a gap that closes in one; the states are those
+        after the impact.
     impacts : Impacts or callable, optional
         Surfaces that bodies rebound from, see `kickdrift.Impacts`; a function alone is a gap with restitution 1.
     switches : callable, optional

@@ -10,8 +10,10 @@ from kickdrift.core.compilation import compiled
 
 Floats = NDArray[np.float64]
 
-# Of a step in which a function may turn near zero. One that stays near zero is evaluated at 256 parts of each step.
-_HALVINGS = 8
+# Of a step in which a function may turn near zero: down to a millionth, which tells two zeros apart that are so close. At a
+# turn, some 1 / sqrt(part) parts stay near zero; a function that stays there for a whole step is evaluated at 256 parts of it.
+_HALVINGS = 20
+_WHOLE, _MOST_PARTS = 8, 4096
 _ROUNDS = 100  # iterations of root finding, of which at least one in three halves the interval
 
 
@@ -125,6 +127,7 @@ def with_zeros(
         # It may be zero at both ends of a step, but hardly in its middle, too.
         rests = (parts.first == 0.0) & (parts.last == 0.0) & (halving > 0)
         near = (np.abs(parts.first) + np.abs(parts.last) <= way) & ~rests  # it may turn there
+        near &= ~_hopeless(which[near], halving, int(steps.t.size))[which]
         done.append((parts.part(~near), which[~near]))
         which, parts = which[near], parts.part(near)
         if not which.size:
@@ -136,6 +139,12 @@ def with_zeros(
     parts, which = parts.joined(*(own for own, _ in done)), np.concatenate((which, *(of for _, of in done)))
     changed = changes(parts)
     return parts.part(changed), which[changed]
+
+
+def _hopeless(which: NDArray[np.intp], halving: int, steps: int) -> NDArray[np.bool_]:
+    """Whether too many parts of each of the steps are near zero, by the steps that these are parts of."""
+    parts = np.bincount(which, minlength=steps)
+    return np.asarray(parts > _MOST_PARTS if halving != _WHOLE else parts == 2**_WHOLE)
 
 
 def joined_by_event(brackets: list[tuple[int, Brackets]]) -> list[tuple[int, Brackets]]:

@@ -86,7 +86,8 @@ CHANGES = -30  # number of changes of the state or the force between steps, whic
 FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0
 CHATTERING, MISSED_SWITCH = -6.0, -7.0
 LOST_TO_ROUNDING = -8.0
-"""Residuals that mean that no step size works: in general; and of impacts, see `kickdrift.engine.no_step`."""
+UNFIT_DENSITY, MISSED_DENSITY = -9.0, -10.0
+"""Residuals that mean that no step size works: in general, of impacts, of densities; see `kickdrift.engine.no_step`."""
 _SCRATCH = -1  # index among the words before work
 _LINE = _BLOCK = 8  # numbers in a cache line, and in the block that describes the arrays of a run
 _WORDS = (1 + len(PARTS) + _LINE - 1) // _LINE * _LINE  # in front of work: whole cache lines

@@ -27,10 +27,11 @@ from kickdrift.engine.flows.layout import (
     DENSITY_RATE,
     DENSITY_ROUNDED_OFF,
     EVALUATIONS,
-    FAILED_CONTROL,
     FIRST_STEP,
+    MISSED_DENSITY,
     START_DENSITY,
     TROUBLE,
+    UNFIT_DENSITY,
     VELOCITY,
     control_memory,
     has_part,
@@ -50,12 +51,19 @@ rates_of_v: Callable[..., None] = unbound
 
 
 @compiled(inline=True)
+def note_missed(work: Floats) -> None:
+    """Note that the steps have missed the density, unless it was invalid before."""
+    if work[TROUBLE] != UNFIT_DENSITY:
+        work[TROUBLE] = MISSED_DENSITY
+
+
+@compiled(inline=True)
 def take_density(density: float, work: Floats) -> None:
     """Set the density of the next steps, and note the failure if it is invalid."""
     if 0.0 < density < math.inf:
         work[DENSITY] = density
     else:
-        work[TROUBLE] = FAILED_CONTROL
+        note_missed(work)
 
 
 @compiled(inline=True)
@@ -74,7 +82,7 @@ def evaluate_density(t: float, x: Floats, v: Floats, work: Floats) -> float:
     density_at(t, x, v, own_params(work), work, out)
     work[EVALUATIONS] += work[DEAR]
     if not 0.0 < out[0] < math.inf:
-        work[TROUBLE] = FAILED_CONTROL
+        work[TROUBLE] = UNFIT_DENSITY
         return 1.0
     return float(out[0])
 
@@ -140,7 +148,7 @@ def end_density(t: float, h: float, x: Floats, v: Floats, params: Floats, work: 
     move_density(work)
     off = work[DENSITY] * work[START_DENSITY] / work[DENSITY_HERE]
     if not 1.0 / _FARTHEST < off < _FARTHEST:
-        work[TROUBLE] = FAILED_CONTROL
+        note_missed(work)
 
 
 def reflect_density(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:

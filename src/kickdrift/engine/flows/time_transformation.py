@@ -21,9 +21,9 @@ from kickdrift.core.compilation import compiled, unbound
 from kickdrift.core.views import part
 from kickdrift.engine.flows.layout import (
     BINDING,
-    FAILED_CONTROL,
     START_DENSITY,
     TROUBLE,
+    UNFIT_DENSITY,
     control_memory,
     move_clock,
     own_params,
@@ -62,7 +62,7 @@ def time_of(h: float, density: float, work: Floats) -> float:
     """Return the time of a step h at a density; zero, with the failure noted, for an invalid one."""
     share = density / work[START_DENSITY]
     if not 0.0 < share < math.inf:
-        work[TROUBLE] = FAILED_CONTROL
+        work[TROUBLE] = UNFIT_DENSITY
         return 0.0
     return float(h / share)
 
@@ -72,7 +72,7 @@ def measure_binding(t: float, h: float, x: Floats, v: Floats, params: Floats, wo
     work[BINDING] = -energy_of(t, x, v, work)
     work[START_DENSITY] = -potential_of(t, x, v, work)
     if not 0.0 < work[START_DENSITY] < math.inf:
-        work[TROUBLE] = FAILED_CONTROL
+        work[TROUBLE] = UNFIT_DENSITY
 
 
 def logarithmic_kick(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
