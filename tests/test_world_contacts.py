@@ -635,6 +635,8 @@ def test_points_and_normals_of_contacts_do_not_turn_with_a_ball_that_rolls(groun
     assert contact.normal == pytest.approx((0, 0, up), abs=1e-6)
     assert contact.force == pytest.approx((0, 0, 2.0 * G * up), abs=1e-3)
     assert contact.points - ball.position == pytest.approx(np.array([(0, 0, -0.1)]), abs=1e-3)
+    world.remove(ball)
+    assert world.contacts == []
 
 
 def test_forces_of_contacts_are_those_of_the_last_substep_whatever_its_length():

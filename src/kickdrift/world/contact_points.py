@@ -120,7 +120,7 @@ def _normal(line: Floats, radius_a: Floats, radius_b: Floats, with_a: Floats, wi
 def _radius(tables: Tables, shapes: NDArray[np.int64]) -> Floats:
     """Return the radii of shapes about a core that is a point or a segment, (N, 1), m; 0.0 for others."""
     rows, numbers = tables.array(SHAPE)[shapes], tables.array(GEOMETRY).ravel()
-    rolls = np.array([KINDS[int(kind)].core == CENTRE for kind in rows[:, SHAPE_KIND]], dtype=bool)
+    rolls = np.isin(rows[:, SHAPE_KIND], [number for number, kind in KINDS.items() if kind.core == CENTRE])
     radius = np.zeros((len(shapes), 1))
     radius[rolls, 0] = numbers[rows[rolls, BEGIN]]
     return radius
