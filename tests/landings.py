@@ -40,13 +40,10 @@ def energies(size, restitution, friction, rng):
     return found[0], max(found), min(found)
 
 
-def change_of_spin(restitution, rng, on_box=False):
+def change_of_spin(restitution, rng):
     """Change of the spin of a smooth capsule about its axis, rad/s, where it lands."""
     world = World()
-    if on_box:
-        world.add_box((50, 50, 2), position=(0, 0, -1), static=True, friction=0.0)
-    else:
-        world.add_plane(friction=0.0)
+    world.add_plane(friction=0.0)
     options = {"position": (0, 0, 2), "friction": 0.0, "restitution": restitution}
     capsule = world.add_capsule(0.05, 1.0, **options, **random_turn(rng))
     before = axis_of(world, capsule) @ world.angular_velocity[capsule.index]

@@ -165,7 +165,7 @@ def bounce(t: float, h: float, world: int) -> None:
             own, was_hit = constraint(world, int(impact[hit, ROW])), normal_impulse(impact[hit]) > 0.0
             own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit else c.MISSED
             own[(c.REFERENCE + 1) * c.WIDTH] = impact[hit, SPEED]
-            for k in range(4):
+            for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 _hide_from_sweeps(own, k)
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
@@ -180,8 +180,7 @@ def _hide_from_sweeps(own: Any, point: int) -> None:
     """Make the gap of a point so large that the sweeps ignore it until its arms are recomputed.
 
     Bodies that have bounced are moved back to poses that they never had, in which they may seem to overlap if they turn fast.
-    The sweeps assume constant velocities, and might also stop the corner of a fast body that only passes by. Their arms are
-    those of before the impact, with which they would turn a smooth capsule about its axis, whatever e.
+    The sweeps assume constant velocities, and might also stop the corner of a fast body that only passes by.
     """
     own[(c.P + c.POINT_FIELDS * point + c.GAP) * c.WIDTH] = _FAR
 
