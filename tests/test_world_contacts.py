@@ -619,6 +619,26 @@ def test_the_force_of_a_sliding_contact_is_on_the_cone_of_friction():
     assert len(world.contact_points) == 0
 
 
+@pytest.mark.parametrize("ground", ["plane", "box"])
+def test_points_and_normals_of_contacts_do_not_turn_with_a_ball_that_rolls(ground):
+    world = kd.World()
+    if ground == "plane":
+        world.add_plane(friction=0.5)
+    else:
+        world.add_box((20, 20, 2), position=(0, 0, -1), static=True, friction=0.5)
+    ball = world.add_sphere(
+        0.1, position=(0, 0, 0.1), mass=2.0, velocity=(2, 0, 0), angular_velocity=(0, 20, 0), friction=0.5
+    )
+    world.advance(STEP, 10)
+    (contact,) = world.contacts
+    up = 1.0 if contact.body_b == ball else -1.0
+    assert contact.normal == pytest.approx((0, 0, up), abs=1e-6)
+    assert contact.force == pytest.approx((0, 0, 2.0 * G * up), abs=1e-3)
+    assert contact.points - ball.position == pytest.approx(np.array([(0, 0, -0.1)]), abs=1e-3)
+    world.remove(ball)
+    assert world.contacts == []
+
+
 def test_forces_of_contacts_are_those_of_the_last_substep_whatever_its_length():
     """A step in parts, since a blade turns fast, has shorter substeps; others may be set before forces are read."""
     world = kd.World(substeps=1)

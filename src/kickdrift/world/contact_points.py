@@ -10,9 +10,11 @@ from kickdrift.core.rotations import product, turned
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.layout import BODY_ROW, ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION
+from kickdrift.world.layout import BEGIN, BODY_ROW, ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION, SHAPE_KIND
 from kickdrift.world.settings import LAST_SUBSTEP
-from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, POSE, SETTINGS, SHAPE, Tables
+from kickdrift.world.shapes.catalogue import KINDS
+from kickdrift.world.shapes.record import CENTRE
+from kickdrift.world.tables import CONTACT, GEOMETRY, MANIFOLD, PLACE, POSE, SETTINGS, SHAPE, Tables
 
 Floats = NDArray[np.float64]
 _MOST = 4  # of a contact
@@ -88,19 +90,40 @@ def _points(tables: Tables) -> Iterator[_Points]:
     touches = (rows[:, c.CONTACT_STATE] & c.TOUCHING) != 0  # those of a body that was removed do not
     at_a, turn_a = _place(tables, rows[:, c.SHAPE_A])
     at_b, turn_b = _place(tables, rows[:, c.SHAPE_B])
-    normal = turned(turn_a, manifolds[:, c.NORMAL : c.NORMAL + 3])
+    then_a = manifolds[:, c.NORMAL : c.NORMAL + 3]  # the normal as it turns with each shape
+    then_b = turned(manifolds[:, c.FOUND_POSE + 3 : c.FOUND_POSE + 7] * (1, -1, -1, -1), then_a)
+    radius_a, radius_b = _radius(tables, rows[:, c.SHAPE_A]), _radius(tables, rows[:, c.SHAPE_B])
     for k in range(_MOST):
         there = rows[:, c.POINTS] > k
         if not there.any():
             return
         point = manifolds[there, c.POINT + c.POINT_SIZE * k :]
-        yield _Points(
-            solid[there],
-            at_a[there] + turned(turn_a[there], point[:, c.ON_A : c.ON_A + 3]),
-            at_b[there] + turned(turn_b[there], point[:, c.ON_B : c.ON_B + 3]),
-            normal[there],
-            manifolds[there, c.NORMAL_IMPULSE + k] * touches[there],
-        )
+        r_a, r_b, n_a, n_b = radius_a[there], radius_b[there], then_a[there], then_b[there]
+        core_a = at_a[there] + turned(turn_a[there], point[:, c.ON_A : c.ON_A + 3] - r_a * n_a)
+        core_b = at_b[there] + turned(turn_b[there], point[:, c.ON_B : c.ON_B + 3] + r_b * n_b)
+        normal = _normal(core_b - core_a, r_a, r_b, turned(turn_a[there], n_a), turned(turn_b[there], n_b))
+        on_a, on_b = core_a + r_a * normal, core_b - r_b * normal
+        apart = np.sum(normal * (on_b - on_a), axis=1, keepdims=True) * normal
+        on_a = np.where((r_a == 0.0) & (r_b > 0.0), on_b - apart, on_a)  # the point moves with the shape that rolls
+        on_b = np.where((r_a > 0.0) & (r_b == 0.0), on_a + apart, on_b)
+        yield _Points(solid[there], on_a, on_b, normal, manifolds[there, c.NORMAL_IMPULSE + k] * touches[there])
+
+
+def _normal(line: Floats, radius_a: Floats, radius_b: Floats, with_a: Floats, with_b: Floats) -> Floats:
+    """Return present normals, (N, 3): they turn with the shape that does not roll; between two cores they are the line."""
+    length = np.linalg.norm(line, axis=1, keepdims=True)
+    rolls_a, both = (radius_a > 0.0) & (radius_b == 0.0), (radius_a > 0.0) & (radius_b > 0.0)
+    normal = np.where(rolls_a, with_b, with_a)
+    return np.where(both & (length > 1e-9 * (radius_a + radius_b)), line / np.maximum(length, 1e-300), normal)
+
+
+def _radius(tables: Tables, shapes: NDArray[np.int64]) -> Floats:
+    """Return the radii of shapes about a core that is a point or a segment, (N, 1), m; 0.0 for others."""
+    rows, numbers = tables.array(SHAPE)[shapes], tables.array(GEOMETRY).ravel()
+    rolls = np.isin(rows[:, SHAPE_KIND], [number for number, kind in KINDS.items() if kind.core == CENTRE])
+    radius = np.zeros((len(shapes), 1))
+    radius[rolls, 0] = numbers[rows[rolls, BEGIN]]
+    return radius
 
 
 def _place(tables: Tables, shapes: NDArray[np.int64]) -> tuple[Floats, Floats]:
