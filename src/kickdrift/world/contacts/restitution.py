@@ -200,13 +200,13 @@ def slowest_bounce(world: int, h: float, row: int) -> float:
     slowest: float = settings[0, BOUNCE_SPEED]
     if slowest < 0.0:
         # Resting bodies gain less in a few substeps. Without forces in it, bodies pressed by them would bounce for ever.
-        slowest = 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), _pressing_acceleration(world, row))
+        slowest = 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), pressing_acceleration(world, row))
     unseen: float = _UNSEEN * settings[0, SLOP] / h
     return max(slowest, unseen)
 
 
 @compiled(inline=True)
-def _pressing_acceleration(world: int, row: int) -> float:
+def pressing_acceleration(world: int, row: int) -> float:
     """Return the acceleration by which forces press the points of a contact together, along its normal, m/s^2."""
     contact, own = integers(world, CONTACT), constraint(world, row)
     a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)

@@ -12,9 +12,11 @@ might have turned through each other, since the solution of a substep assumes co
 Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 
+import math
+
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.restitution import slowest_bounce, strikes
+from kickdrift.world.contacts.restitution import pressing_acceleration, slowest_bounce, strikes
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, BOUNCE_FRICTION, read_both, twelve
 from kickdrift.world.direct.energy_guard import NO_MORE, has_more
@@ -87,7 +89,10 @@ def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
     """Write the speeds after an impact (HITS) of the points of a contact; return whether any hits within the substep."""
     a, b = bodies_of(world, index)
     own, numbers = constraint(world, index), contact_row(world, index)
-    slowest = slowest_bounce(world, h, row_of(world, index))
+    slowest, pressing = (
+        slowest_bounce(world, h, row_of(world, index)),
+        pressing_acceleration(world, row_of(world, index)),
+    )
     velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
@@ -101,7 +106,9 @@ def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
         gap = own[i + c.GAP * c.WIDTH] + along(wrench, change)
         speed = along(wrench, velocity)
         if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
-            numbers[HITS + k] = -e * speed
+            # On the rest of the way forces make the point faster, and slower on the way back to here.
+            forced = 2.0 * pressing * max(gap, 0.0)
+            numbers[HITS + k] = math.sqrt(max(e * e * (speed * speed + forced) - forced, 0.0))
             hit = hit or gap + h * speed <= 0.0
     for k in range(TANGENT):
         numbers[HITS + k] = numbers[HITS + k] if hit else -1.0
