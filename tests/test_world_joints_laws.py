@@ -432,7 +432,7 @@ def test_bodies_in_free_flight_that_bounce_near_springs_keep_their_energy():
 def test_a_rod_on_a_hinge_that_falls_on_its_tip_keeps_the_square_of_e_of_its_energy(restitution):
     """Within 3 %, at heights that differ; without the way that is left at the impact, it kept up to 11 % too much."""
     for length, angle in ((0.5, 0.9), (1.0, 0.5), (1.3, 1.1), (2.0, 0.3)):
-        world, radius, middle = kd.World(), 0.03, np.pi / 4 - angle / 2
+        world, radius, middle = World(), 0.03, np.pi / 4 - angle / 2
         world.add_plane(restitution=restitution, friction=0.0)
         height = length / 2 * np.sin(angle)
         rod = world.add_capsule(
