@@ -1,5 +1,7 @@
 """Events: zeros of functions of the state are found where they are, all of them, and end runs."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -503,3 +505,10 @@ def test_long_runs_have_their_events_compiled_into_the_loop_with_the_same_bits(m
     assert asked
     assert np.array_equal(compiled.t_events[0], called.t_events[0])
     assert np.array_equal(compiled.x_events[0], called.x_events[0])
+
+
+def test_an_event_that_chatters_is_said_to():
+    options = {"step": 0.01, "method": "velocity-verlet", "compile": False}
+    run = kd.solve(lambda x: -x, (0.0, 10.0), 1.0, 0.0, events=lambda x: np.sin(1e6 * x), **options)
+    assert re.search(r"changed its sign in \d+ of 1000 steps: it may have chattered", run.message)
+    assert "chattered" not in kd.solve(lambda x: -x, (0.0, 100.0), 1.0, 0.0, events=lambda x: x, **options).message

@@ -13,6 +13,10 @@ from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 Raised = dict[int, Exception]  # errors of a function, by the rows at which it raised them
+_MANY, _OFTEN = (
+    20,
+    0.4,
+)  # zeros, and zeros a step: a function that oscillates within steps changes its sign in half of them
 
 
 def values_of(quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats, raised: Raised) -> Floats:
@@ -75,3 +79,15 @@ def first_bad(
                     f" rate_bound={event.rate_bound!r}; give a larger one."
                 )
     return found, why
+
+
+def chattering(events: Sequence[Event], counts: Sequence[int], n_steps: int) -> str:
+    """Return a sentence on events that change their sign so often that zeros between steps may have been missed."""
+    said = ""
+    for event, count in zip(events, counts, strict=True):
+        if event.rate_bound is None and count >= _MANY and count > _OFTEN * n_steps:
+            said += (
+                f" {event.name}, changed its sign in {count} of {n_steps} steps: it may have chattered, and zeros within the"
+                " same step are missed; take smaller steps, or give it a rate_bound."
+            )
+    return said

@@ -13,6 +13,7 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine import multipliers, quantities
 from kickdrift.engine.dense import DenseOutput, States
+from kickdrift.engine.event_values import chattering
 from kickdrift.engine.events import Watch
 from kickdrift.engine.flows.layout import CLOCK
 from kickdrift.engine.grid import Course, Grid
@@ -74,7 +75,8 @@ def report(
     if watch is not None:
         zeros, trouble = _zeros(watch, end)
         events = _events(zeros, system)
-        message, evaluations = message + trouble, evaluations + watch.evaluations
+        message += trouble + chattering(watch.events, [len(own) for own in zeros], ending.n_steps)
+        evaluations += watch.evaluations
     t, xs, vs, _ = kept
     if grid.wanted is not None and dense is not None:
         try:
