@@ -39,6 +39,14 @@ def test_a_problem_tells_what_it_was_made_of():
     assert "invariants" not in shown
 
 
+def test_methods_draw_their_words_and_systems_the_bodies_at_the_start():
+    corners = "0.0000,0.0000 0.0000,0.5000 1.0000,0.5000 1.0000,1.0000"
+    assert f'points="{corners}"' in kd.methods.get("velocity-verlet")._repr_html_()
+    assert "<svg" not in kd.methods.get("gauss-4")._repr_html_()
+    assert kd.systems.solar_system()._repr_html_().count("<circle") == 11
+    assert "<svg" not in kd.systems.kepler()._repr_html_()
+
+
 def test_a_world_looks_as_it_is_now_and_stays_so(small_pictures):
     world = kd.World()
     world.add_plane()

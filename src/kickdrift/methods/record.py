@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.core.html import facts
+from kickdrift.core.html import facts, path
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import WHOLES, Letter
 from kickdrift.methods.oscillator import order_on_oscillator
@@ -186,7 +186,19 @@ class Method:
             "symmetric": "yes" if self.symmetric else "no",
             "source": self.source,
         }
-        return facts(self.name, rows.items())
+        return facts(self.name, rows.items(), drawing=self._staircase())
+
+    def _staircase(self) -> str:
+        """Return an SVG of the word: drifts lead to the right by their share of the step, kicks upwards, negative ones back."""
+        shares = {letter.share for letter in self.letters}
+        if self.tableau is not None or not shares <= {"kick", "drift"}:
+            return ""
+        corners = [(0.0, 0.0)]
+        for letter, weight in self.word:
+            drift, kick = corners[-1]
+            is_drift = letter.share == "drift"
+            corners.append((drift + weight * is_drift, kick + weight * (not is_drift)))
+        return path([(float(drift), float(kick)) for drift, kick in corners], "drifts lead to the right, kicks upwards")
 
     def __hash__(self) -> int:
         """Return the same for equal methods; a word of fractions takes long."""

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.arguments import all_finite, reals
 from kickdrift.core.errors import ArgumentError
-from kickdrift.core.html import facts
+from kickdrift.core.html import dots, facts
 from kickdrift.core.kinds import Kind
 
 Floats = NDArray[np.float64]
@@ -165,7 +165,8 @@ class System:
             "units": ", ".join(f"{name} in {unit}" for name, unit in self.units.items() if unit) or "none",
             "source": self.source or "-",
         }
-        return facts(self.name, rows.items())
+        places = self.x0[:, :2].tolist() if self.x0.ndim == 2 and self.x0.shape[0] > 1 < self.x0.shape[1] else []
+        return facts(self.name, rows.items(), drawing=dots(places, "the bodies at the start") if places else "")
 
     def __post_init__(self) -> None:
         for name in _NUMBERS:
