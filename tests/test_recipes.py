@@ -306,7 +306,7 @@ def test_a_new_joint(house):
     for path in ("world/joints/catalogue.py", "world/joints/adding.py"):
         house.line(path, "from kickdrift.world.joints.record", "from kickdrift.world.joints.piston import Piston\n")
     house.line("world/joints/catalogue.py", "Gear)", "Piston, ")
-    house.line("world/joints/adding.py", "    add_ball_joint = ", "    add_piston = _adds(Piston)\n")
+    house.line("world/joints/adding.py", "    add_ball_joint = ", '    add_piston = _adds("add_piston", Piston)\n')
     code = """
 world = kd.World()
 bar = world.add_box((1.0, 0.2, 0.2), position=(0.0, 0.0, 0.0), angular_velocity=(0.0, 0.0, 9.0), velocity=(0.0, 1.0, 0.0))
