@@ -13,10 +13,8 @@ from kickdrift.systems.system import Quantity, System
 
 Floats = NDArray[np.float64]
 Raised = dict[int, Exception]  # errors of a function, by the rows at which it raised them
-_MANY, _OFTEN = (
-    20,
-    0.4,
-)  # zeros, and zeros a step: a function that oscillates within steps changes its sign in half of them
+# Zeros, and zeros a step: a function that oscillates within steps changes its sign in half of them.
+_MANY, _OFTEN = 20, 0.4
 
 
 def values_of(quantity: Quantity, system: System, t: Floats, x: Floats, v: Floats, raised: Raised) -> Floats:

@@ -30,7 +30,7 @@ def to_pandas(solution: Solution) -> Any:
             " with to_xarray()."
         )
     pd = _pandas("Solution")
-    return _frame(solution.plain, pd.Index(solution.plain.t, name="t"), {})
+    return _frame(pd, solution.plain, pd.Index(solution.plain.t, name="t"), {})
 
 
 def ensemble_to_pandas(solution: EnsembleSolution) -> Any:
@@ -47,7 +47,7 @@ def ensemble_to_pandas(solution: EnsembleSolution) -> Any:
     """
     pd = _pandas("EnsembleSolution")
     index = pd.MultiIndex.from_product([range(len(solution)), solution.t], names=["member", "t"])
-    return _frame(solution, index, solution.parameters)
+    return _frame(pd, solution, index, solution.parameters)
 
 
 def _pandas(what: str) -> Any:
@@ -58,7 +58,7 @@ def _pandas(what: str) -> Any:
     return pandas
 
 
-def _frame(solution: Solution | EnsembleSolution, index: Any, swept: Mapping[str, Any]) -> Any:
+def _frame(pd: Any, solution: Solution | EnsembleSolution, index: Any, swept: Mapping[str, Any]) -> Any:
     """Return a frame with a row per entry of the index, of which each level is a dimension of the arrays."""
     labels = [solution.about.coordinates.get(name) for name in solution.about.dimensions]
     columns, units = {}, {"t": solution.about.units.get("t", "")}
@@ -72,7 +72,7 @@ def _frame(solution: Solution | EnsembleSolution, index: Any, swept: Mapping[str
         for column, numbers in _columns(name, values, [])
     }
     check_swept(of_members, [*columns, *index.names])
-    frame = _pandas("Solution").DataFrame({**of_members, **columns}, index=index)
+    frame = pd.DataFrame({**of_members, **columns}, index=index)
     frame.attrs["units"] = {column: unit for column, unit in units.items() if unit}
     return frame
 

@@ -18,9 +18,7 @@ Floats = NDArray[np.float64]
 _MOST_POINTS = 50_000  # of all bodies together; more change nothing that can be seen
 _SMOOTH_TURN = 0.2  # radians between two points that the eye takes for a curve
 _LOST_TURN = 2.0  # radians between two states that do not say any more which way the body went
-_LOST_CHORD = (
-    0.84  # of the length of an arc that turns by so much; any that turns by more than once has a third at most
-)
+_LOST_CHORD = 0.84  # of the length of an arc that turns by so much; any that turns more than once has a third at most
 _MOST_NAMES = 30
 _MOST_COORDINATES = len(COLOURS)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.layout import ANGULAR, JOINT_KIND, REMOVED_JOINT, SWING_TWIST
+from kickdrift.world.joints.layout import ANGULAR, SWING_TWIST
 from kickdrift.world.tables import JOINT
 from kickdrift.world.world import World
 
@@ -95,36 +95,34 @@ class Controls:
                 gui.add_markdown(f"and {len(axes) - _MOST_SLIDERS} more that have no slider here")
 
     def _add_target(self, gui: Any, name: str, joint: Joint, axis: int) -> None:
-        def target() -> float:
-            drive = joint.drive(axis)
-            return 0.0 if drive is None else drive.target
-
-        def aim(value: float) -> None:
-            drive = joint.drive(axis)
-            if drive is not None:
-                joint.set_drive(replace(drive, target=value), axis)
-
-        now = target()
-        wide = _WIDE[axis >= 3]
+        target, aim = _law_of(joint.drive, joint.set_drive, "target", axis)
+        now, wide = target(), _WIDE[axis >= 3]
         low, high = joint.limits(axis) or (-math.inf, math.inf)
         low, high = min(now, max(low, round(now - wide, 2))), max(now, min(high, round(now + wide, 2)))
         slider = gui.add_slider(name, low, high, wide / 200, now, hint="rad" if axis >= 3 else "m")
         self._follow(slider, target, aim)
 
     def _add_speed(self, gui: Any, name: str, joint: Joint, axis: int) -> None:
-        def speed() -> float:
-            motor = joint.motor(axis)
-            return 0.0 if motor is None else motor.speed
-
-        def turn(value: float) -> None:
-            motor = joint.motor(axis)
-            if motor is not None:
-                joint.set_motor(replace(motor, speed=value), axis)
-
+        speed, turn = _law_of(joint.motor, joint.set_motor, "speed", axis)
         now = speed()
         most = max(_FAST[axis >= 3], 2.0 * abs(now))
         slider = gui.add_slider(name, -most, most, most / 100, now, hint="rad/s" if axis >= 3 else "m/s")
         self._follow(slider, speed, turn)
+
+
+def _law_of(
+    read: Callable[[int], Any], write: Callable[[Any, int], None], field: str, axis: int
+) -> tuple[Callable[[], float], Callable[[float], None]]:
+    """Return how to read and to change a number of the drive or motor of an axis; 0.0 and nothing once that is gone."""
+
+    def value() -> float:
+        return float(getattr(read(axis), field, 0.0))
+
+    def change(wanted: float) -> None:
+        if (law := read(axis)) is not None:
+            write(replace(law, **{field: wanted}), axis)
+
+    return value, change
 
 
 def driven_axes(world: World) -> Axes:
@@ -144,12 +142,9 @@ def motor_axes(world: World) -> Axes:
 
 def _axes_of(world: World, wanted: Callable[[Joint, int], bool]) -> Axes:
     found = []
-    for row, columns in enumerate(world.tables.array(JOINT)):
-        if columns[JOINT_KIND] == REMOVED_JOINT:
-            continue
-        joint = world.joints.handle(row)
-        last = 3 if columns[ANGULAR] == SWING_TWIST else 6
+    for joint in world.joints:
+        last = 3 if world.tables.array(JOINT)[joint.index, ANGULAR] == SWING_TWIST else 6
         axes = [axis for axis in range(last) if wanted(joint, axis)]
-        name = joint.name or f"joint {row}"
+        name = joint.name or f"joint {joint.index}"
         found += [(name if len(axes) == 1 else f"{name}, axis {axis}", joint, axis) for axis in axes]
     return found

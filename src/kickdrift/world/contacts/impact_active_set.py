@@ -13,7 +13,7 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.linear_algebra import lu_factor, lu_solve
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import applied, dot, times
+from kickdrift.core.vectors import applied, dot
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.active_impacts import may_change, note_change
@@ -29,7 +29,7 @@ from kickdrift.world.contacts.impact_points import (
     TURN_A,
     TURN_B,
     WANTED,
-    apply_impulse,
+    press,
     separating_speed,
     vector_in,
 )
@@ -105,7 +105,16 @@ def _solve_group(world: int, first: int, sweep: int, stopping: bool, rubbing: bo
             if above + part * change[i] < 0.0:
                 part, blocking = -above / change[i], i
         for i in range(count):
-            _apply(world, int(points[i]), part * change[i])
+            which = int(points[i])
+            a, b = _bodies(world, which)
+            press(
+                world,
+                a,
+                b,
+                vector_in(floats(world, IMPACT)[which // 4], NORMAL),
+                _point(world, which),
+                part * change[i],
+            )
         changed = True
         if blocking < 0:
             break
@@ -181,13 +190,3 @@ def _response(world: int, which: int, other: int) -> float:
                 rotation = dot(vector_in(point, turn), applied(inertia, vector_in(source, source_turn)))
                 total += sign * source_sign * (inverse_mass[body, INVERSE_LINEAR_MASS] * aligned + rotation)
     return total
-
-
-@compiled
-def _apply(world: int, which: int, impulse: float) -> None:
-    """Add an impulse at a point, N s."""
-    point, (a, b) = _point(world, which), _bodies(world, which)
-    normal = vector_in(floats(world, IMPACT)[which // 4], NORMAL)
-    point[IMPULSE] += impulse
-    turn_a, turn_b = times(impulse, vector_in(point, TURN_A)), times(impulse, vector_in(point, TURN_B))
-    apply_impulse(world, a, b, times(impulse, normal), turn_a, turn_b)

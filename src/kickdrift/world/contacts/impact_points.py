@@ -127,6 +127,14 @@ def apply_impulse(world: int, a: int, b: int, impulse: Vector, turn_a: Vector, t
         motion[b, ANGULAR_VELOCITY + k] += change_b[k]
 
 
+@compiled(inline=True)
+def press(world: int, a: int, b: int, normal: Vector, point: Any, impulse: float) -> None:
+    """Add an impulse along the normal at a point, N s."""
+    point[IMPULSE] += impulse
+    turn_a, turn_b = times(impulse, vector_in(point, TURN_A)), times(impulse, vector_in(point, TURN_B))
+    apply_impulse(world, a, b, times(impulse, normal), turn_a, turn_b)
+
+
 @compiled
 def normal_impulse(hit: Any) -> float:
     """Return the sum of the normal impulses of a contact, N s."""

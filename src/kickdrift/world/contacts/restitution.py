@@ -55,7 +55,6 @@ from kickdrift.world.tables import (
 _ROUNDS = 400
 # Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
 _APART = 300
-_SWEEPS = 400
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FASTER = 2.0  # times the speed at which a contact seemed to hit and did not: then it may hit after all
@@ -155,7 +154,7 @@ def bounce(t: float, h: float, world: int) -> None:
             move_to_impact(world, h, b)
         for hit in range(rows(world, IMPACT)):
             meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
-        find_impulses(world, _SWEEPS)
+        find_impulses(world)
         for hit in range(rows(world, IMPACT)):
             a, b = bodies_of(world, hit)
             leave_impact(world, h, a)

@@ -36,6 +36,7 @@ from kickdrift.world.contacts.impact_points import (
     WANTED,
     apply_impulse,
     normal_impulse,
+    press,
     separating_speed,
     vector_in,
 )
@@ -44,12 +45,8 @@ from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, MOTION, floats
 
 _BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
 _TOLERANCE = 1e-15  # of the largest impulse
-_FEW = 50  # sweeps, after which the pressed points are solved by elimination
-_PLASTIC, _FRICTION, _THROWN = (
-    0,
-    1,
-    2,
-)  # parts of the impulses of a round: those that stop, friction, those after restitution
+_SWEEPS, _FEW = 400, 50  # at most, and those after which the points that press are solved by elimination
+_PLASTIC, _FRICTION, _THROWN = 0, 1, 2  # parts of a round: impulses that stop, friction, impulses after restitution
 
 
 @compiled
@@ -74,8 +71,7 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
         response += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
         missing = (point[WANTED] if thrown else 0.0) - separating_speed(world, a, b, normal, point)
         d = max(point[IMPULSE] + missing / response, -least * point[PLASTIC]) - point[IMPULSE]
-        point[IMPULSE] += d
-        apply_impulse(world, a, b, times(d, normal), times(d, turn_a), times(d, turn_b))
+        press(world, a, b, normal, point, d)
         largest = max(largest, abs(d))
     return largest
 
@@ -107,10 +103,10 @@ def _sweep_friction(world: int, hit: Any) -> float:
 
 
 @compiled
-def find_impulses(world: int, sweeps: int) -> None:
+def find_impulses(world: int) -> None:
     """Find and apply the impulses of a round, in a limited number of sweeps; the next round resolves the rest."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
-    scale, rough = _sweep(world, sweeps, _PLASTIC, 0.0), False
+    scale, rough = _sweep(world, _PLASTIC, 0.0), False
     for hit in range(count):
         for k in range(4):
             p = IMPACT_POINTS + POINT_SIZE * k
@@ -118,19 +114,19 @@ def find_impulses(world: int, sweeps: int) -> None:
         rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
     if rough:
         for _ in range(_BOUNDS):
-            _find_friction(world, scale, sweeps)
+            _find_friction(world, scale)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
-    _sweep(world, sweeps, _THROWN, scale)
+    _sweep(world, _THROWN, scale)
 
 
 @compiled
-def _sweep(world: int, sweeps: int, part: int, scale: float) -> float:
+def _sweep(world: int, part: int, scale: float) -> float:
     """Sweep over a part of the impulses of a round until none changes; return the largest known, or plastic, impulse, N s."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
         begin_sweeps(world, int(impact[hit, ROW]))
-    for sweep in range(sweeps):
+    for sweep in range(_SWEEPS):
         settled = True
         for hit in range(count):
             if not may_change(world, int(impact[hit, ROW]), sweep):
@@ -150,7 +146,7 @@ def _sweep(world: int, sweeps: int, part: int, scale: float) -> float:
 
 
 @compiled
-def _find_friction(world: int, scale: float, sweeps: int) -> None:
+def _find_friction(world: int, scale: float) -> None:
     """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
@@ -158,7 +154,7 @@ def _find_friction(world: int, scale: float, sweeps: int) -> None:
         for k in range(4):
             total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
-    _sweep(world, sweeps, _FRICTION, scale)
+    _sweep(world, _FRICTION, scale)
 
 
 @compiled
@@ -170,6 +166,4 @@ def _apply_restitution(world: int, hit: Any) -> None:
         point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         d = hit[BOUNCE] * max(point[PLASTIC], 0.0)
         if d > 0.0:
-            point[IMPULSE] += d
-            turn_a, turn_b = times(d, vector_in(point, TURN_A)), times(d, vector_in(point, TURN_B))
-            apply_impulse(world, contact[row, c.BODY_A], contact[row, c.BODY_B], times(d, normal), turn_a, turn_b)
+            press(world, contact[row, c.BODY_A], contact[row, c.BODY_B], normal, point, d)

@@ -89,10 +89,8 @@ def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
     """Write the speeds after an impact (HITS) of the points of a contact; return whether any hits within the substep."""
     a, b = bodies_of(world, index)
     own, numbers = constraint(world, index), contact_row(world, index)
-    slowest, pressing = (
-        slowest_bounce(world, h, row_of(world, index)),
-        pressing_acceleration(world, row_of(world, index)),
-    )
+    row = row_of(world, index)
+    slowest, pressing = slowest_bounce(world, h, row), pressing_acceleration(world, row)
     velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
