@@ -339,12 +339,10 @@ def test_a_parallelogram_passes_its_dead_points(start):
         assert world.energy().total == pytest.approx(energy, rel=1e-6)  # it lost 0.4 % at each of them
 
 
-@pytest.mark.parametrize("joint", ["add_hinge", "add_ball_joint"])
-def test_a_planar_rope_bridge_carries_a_ball(joint):
-    world, planks, width = World(plane_normal=ACROSS), 12, 0.5
-    ends = [np.zeros(3)]
-    before = world.ground
-    for angle in np.linspace(0.3, -0.3, planks):
+def bridge_with_a_ball(world, joint, sag, planks, mass):
+    """Put a ball on a bridge of planks of 3 kg, the ends of which hang at an angle; return it and its place at rest."""
+    width, ends, before = 0.5, [np.zeros(3)], world.ground
+    for angle in np.linspace(sag, -sag, planks):
         step = width * np.array([math.cos(angle), 0.0, -math.sin(angle)])
         turn = (math.cos(angle / 2), 0.0, math.sin(angle / 2), 0.0)
         plank = world.add_box((width, 1.0, 0.1), position=ends[-1] + step / 2, orientation=turn, mass=3.0)
@@ -353,12 +351,30 @@ def test_a_planar_rope_bridge_carries_a_ball(joint):
         before = plank
         ends.append(ends[-1] + step)
     getattr(world, joint)(before, world.ground, anchor=ends[-1], **options)
-    middle = ends[planks // 2]
-    ball = world.add_sphere(0.35, position=middle + np.array([0, 0, 0.405]), mass=15.0)
+    place = ends[planks // 2] + np.array([0, 0, 0.4])
+    return world.add_sphere(0.35, position=place + np.array([0, 0, 0.005]), mass=mass), place
+
+
+@pytest.mark.parametrize("joint", ["add_hinge", "add_ball_joint"])
+def test_a_planar_rope_bridge_carries_a_ball(joint):
+    world = World(plane_normal=ACROSS)
+    ball, place = bridge_with_a_ball(world, joint, 0.3, 12, 15.0)
     for _ in range(30):
         world.advance(STEP, 6)
-        assert abs(ball.position - middle - np.array([0, 0, 0.4])).max() < 0.2
+        assert abs(ball.position - place).max() < 0.2
         assert apart(world) < 1e-3
+
+
+@pytest.mark.parametrize("sag", [0.0, 0.01])
+@pytest.mark.parametrize(("planar", "planks", "mass"), [(True, 12, 15.0), (False, 12, 60.0), (False, 8, 5.0)])
+def test_a_straight_bridge_carries_a_ball(planar, planks, mass, sag):
+    """Its planks cannot move, but joints stop only the second order of their motion; the ball fell through."""
+    world = World(plane_normal=ACROSS if planar else None)
+    ball, place = bridge_with_a_ball(world, "add_hinge", sag, planks, mass)
+    for _ in range(30):
+        world.advance(STEP, 6)
+        assert abs(ball.position - place).max() < 0.1
+        assert apart(world) < 1e-4
 
 
 def test_a_box_comes_to_rest_on_the_link_of_a_robot():

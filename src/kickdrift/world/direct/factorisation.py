@@ -29,10 +29,8 @@ from kickdrift.world.direct.blocks import (
     rows_along,
 )
 from kickdrift.world.direct.layout import (
-    AFTER_JOINT,
     BLOCK_COUPLING,
     BLOCK_PASSING,
-    FIRST_CLOSING,
     FIRST_NEIGHBOUR,
     LINK_ROW,
     LOWER_BLOCK,
@@ -41,6 +39,7 @@ from kickdrift.world.direct.layout import (
     PARENT_NODE,
     UPPER_BLOCK,
 )
+from kickdrift.world.direct.loop_closures import has_loops
 from kickdrift.world.direct.matrix import block_of
 from kickdrift.world.joints.layout import (
     ARM_A,
@@ -58,7 +57,7 @@ from kickdrift.world.joints.layout import (
     SLOPE,
     YIELD,
 )
-from kickdrift.world.tables import BLOCK, ISLAND, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
+from kickdrift.world.tables import BLOCK, JOINT_NUMBERS, LINK, LINK_NUMBERS, NEIGHBOUR, NODE, floats, integers
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -123,14 +122,6 @@ def _hand_up(world: int, row: int, neighbour: int, parent: int, other: Vector, o
     add_block(table, target, back, move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead))
 
 
-@compiled(inline=True, cached=False, fast=True)
-def _is_closed(world: int, node: int) -> bool:
-    """Whether joints close loops in the island of a node."""
-    own = integers(world, ISLAND)[integers(world, NODE)[node, NODE_ISLAND]]
-    closed: bool = own[AFTER_JOINT] > own[FIRST_CLOSING]
-    return closed
-
-
 @compiled(cached=False, fast=True)
 def _eliminate_axis(world: int, node: int, link: int, joint: int, k: int, begin: int, end: int) -> None:
     """Eliminate an open axis of a joint from the inertia of the bodies attached to it, and from its coupling to neighbours."""
@@ -144,7 +135,8 @@ def _eliminate_axis(world: int, node: int, link: int, joint: int, k: int, begin:
         work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
     stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
     # Below zero where a loop passes a dead point: its impulses of the start then act against its velocities of the end.
-    give = 1.0 / stiff if stiff > 0.0 or (stiff < 0.0 and _is_closed(world, node)) else 0.0
+    island = integers(world, NODE)[node, NODE_ISLAND]
+    give = 1.0 / stiff if stiff > 0.0 or (stiff < 0.0 and has_loops(world, island)) else 0.0
     work[link, YIELD + k] = give
     for i in range(6):
         add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * work[link, column + i], along)

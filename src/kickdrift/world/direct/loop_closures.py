@@ -42,6 +42,14 @@ from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, JOINT_NUMBERS, L
 _RIGID = 1e7
 
 
+@compiled(inline=True, cached=False, fast=True)
+def has_loops(world: int, island: int) -> bool:
+    """Whether joints close loops in an island."""
+    own = integers(world, ISLAND)[island]
+    closed: bool = own[AFTER_JOINT] > own[FIRST_CLOSING]
+    return closed
+
+
 @compiled(cached=False, fast=True)
 def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, wrench: Any) -> None:
     """Write the wrench of a unit impulse along axis k of a joint, (12,)."""

@@ -6,30 +6,47 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contacts import REST
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW
-from kickdrift.world.direct.loop_closures import stay_closings
+from kickdrift.world.direct.loop_closures import has_loops, stay_closings
+from kickdrift.world.direct.velocities import kinetic_energy, note_velocities
 from kickdrift.world.joints.body_shift import shift_body
 from kickdrift.world.joints.kinematics import measure_joint
-from kickdrift.world.joints.layout import GAIN, LINK_BODY, LINK_JOINT
+from kickdrift.world.joints.layout import ANGULAR_PART, GAIN, LINEAR_PART, LINK_BODY, LINK_JOINT
 from kickdrift.world.joints.right_hand_side import REPAIR
-from kickdrift.world.tables import ISLAND, ISLAND_JOINT, LINK, LINK_NUMBERS, NODE, floats, integers
+from kickdrift.world.tables import ISLAND, ISLAND_JOINT, LINK, LINK_NUMBERS, MOTION, NODE, NOTED, floats, integers
 
 REPAIRS = 8
 
 
 @compiled(cached=False)
 def repair(world: int, island: int, h: float) -> None:
-    """Correct the poses of bodies so that joints are satisfied, without changing velocities."""
-    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    order, work = integers(world, ISLAND_JOINT), floats(world, LINK_NUMBERS)
-    first, after = own[FIRST_NODE], own[AFTER_NODE]
+    """Correct the poses of bodies so that joints are satisfied, and note the velocities to go on with.
+
+    Without loops they are the present ones. With loops they are those that lead to the corrected poses, if these have less
+    energy: so they lose what joints stop only to the second order, as the planks of a straight bridge.
+    """
+    note_velocities(world, island)
     for _ in range(REPAIRS):
-        aim_island(world, island, h, REPAIR)
-        stay_closings(world, island)
-        solve(world, island, h, -1.0, REST, True, False)
-        for node in range(first, after):
-            link = nodes[node, LINK_ROW]
-            way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
-            turn = times(1.0 / max(1.0, 2.0 * length(turn)), turn)
-            shift_body(world, links[link, LINK_BODY], way, turn)
-        for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-            measure_joint(world, links[order[place, 0], LINK_JOINT], 0.0)
+        _correct(world, island, h)
+    less = kinetic_energy(world, island, NOTED) < kinetic_energy(world, island, MOTION)
+    if not (less and has_loops(world, island)):
+        note_velocities(world, island)
+
+
+@compiled(cached=False)
+def _correct(world: int, island: int, h: float) -> None:
+    """Do one step of Newton's method with the poses, and add to the noted velocities what leads to them."""
+    own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
+    order, work, noted = integers(world, ISLAND_JOINT), floats(world, LINK_NUMBERS), floats(world, NOTED)
+    aim_island(world, island, h, REPAIR)
+    stay_closings(world, island)
+    solve(world, island, h, -1.0, REST, True, False)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))
+        turn, body = times(1.0 / max(1.0, 2.0 * length(turn)), turn), links[link, LINK_BODY]
+        shift_body(world, body, way, turn)
+        for k in range(3):
+            noted[body, LINEAR_PART + k] += way[k] / h
+            noted[body, ANGULAR_PART + k] += turn[k] / h
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        measure_joint(world, links[order[place, 0], LINK_JOINT], 0.0)

@@ -10,7 +10,7 @@ from kickdrift.world.direct.layout import GROUP, LOST
 from kickdrift.world.direct.loop_closures import stay_closings
 from kickdrift.world.direct.position_correction import repair
 from kickdrift.world.direct.solve import project, solve_at_once
-from kickdrift.world.direct.velocities import begin_from_kick, note_velocities
+from kickdrift.world.direct.velocities import begin_from_kick
 from kickdrift.world.disjoint_sets import first_of
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.tables import ISLAND, integers
@@ -40,7 +40,6 @@ def _relax(world: int, island: int, h: float) -> None:
     """
     if integers(world, ISLAND)[island, LOST] != 0:
         repair(world, island, h)
-        note_velocities(world, island)
         note_impulses(world, island, False)
         project(world, island, h, RELAX, REST)
     else:

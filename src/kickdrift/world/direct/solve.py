@@ -20,17 +20,8 @@ from kickdrift.world.direct.energy_guard import allowance
 from kickdrift.world.direct.external_energy import energy_given
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_solution
-from kickdrift.world.direct.layout import (
-    AFTER_CONTACT,
-    AFTER_JOINT,
-    FIRST_CLOSING,
-    FIRST_CONTACT,
-    GIVEN_UP,
-    HAS_JOINTS,
-    LOST,
-    RATIO,
-)
-from kickdrift.world.direct.loop_closures import begin_closings, stay_closings
+from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, GIVEN_UP, HAS_JOINTS, LOST, RATIO
+from kickdrift.world.direct.loop_closures import begin_closings, has_loops, stay_closings
 from kickdrift.world.direct.velocities import fastest, kinetic_energy, note_velocities, take_back
 from kickdrift.world.joints.layout import LINEAR_PART
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY
@@ -45,6 +36,11 @@ ROUNDS, CLOSE, CLOSE_TOUCHING, CLOSE_LOOPS, NEAR = 6, 1e-7, 1e-6, 1e-9, 1e-5
 
 # An island is given up if its error is above FAR at the end, relative to the arms.
 FAR = 1e-3
+
+# One with loops is, too, unless Newton's method divides its error by FEWER or comes NEAR. A bridge of planks in a straight line
+# between two walls cannot move at all, but joints stop only the first order of its motion: their solution is a double root,
+# around which Newton's method jumps.
+FEWER = 10.0
 
 # Initial guesses with a larger error are replaced by velocities that joints allow, from which Newton's method is safe.
 POOR = 0.1
@@ -105,7 +101,7 @@ def _press(world: int, island: int, h: float) -> None:
 def _close(world: int, island: int) -> float:
     """Return the error of joints, relative to the arms and times the mass ratio, at which Newton's method stops."""
     own = integers(world, ISLAND)[island]
-    if own[AFTER_JOINT] > own[FIRST_CLOSING]:
+    if has_loops(world, island):
         return CLOSE_LOOPS
     return CLOSE_TOUCHING if own[AFTER_CONTACT] > own[FIRST_CONTACT] else CLOSE
 
@@ -113,8 +109,7 @@ def _close(world: int, island: int) -> float:
 @compiled(cached=False)
 def _approach(world: int, island: int, h: float, off: float) -> float:
     """Do up to ROUNDS steps of Newton's method, and return the error of joints times the mass ratio; infinity on failure."""
-    own = integers(world, ISLAND)[island]
-    ratio, closed, close = own[RATIO], own[AFTER_JOINT] > own[FIRST_CLOSING], _close(world, island)
+    ratio, closed, close = integers(world, ISLAND)[island, RATIO], has_loops(world, island), _close(world, island)
     for step in range(ROUNDS):
         begin_closings(world, island)
         begin_contacts(world, island, h, PRESS)
@@ -132,10 +127,10 @@ def _solve_carefully(world: int, island: int, h: float) -> None:
     islands = integers(world, ISLAND)
     project(world, island, h, GENTLY, PRESS)
     energy = kinetic_energy(world, island, MOTION)
-    off = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
-    off = _approach(world, island, h, off)
+    begun = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
+    bound = max(begun / FEWER, NEAR) if has_loops(world, island) else FAR * islands[island, RATIO]
     if not (
-        off <= FAR * islands[island, RATIO]
+        _approach(world, island, h, begun) <= bound
         and kinetic_energy(world, island, MOTION) <= allowance(world, island, h) * energy + energy_given(world, island)
     ):
         islands[island, LOST] = 1
