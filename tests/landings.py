@@ -12,6 +12,7 @@ from kickdrift.core.vectors import turned
 
 STEP = 1 / 60
 RESTITUTIONS, FRICTIONS = (0.0, 0.5, 0.8, 1.0), (0.0, 0.5)
+GROUNDS = ("plane", "box", "mesh")
 SIZES = (
     (1, 1, 40), (1, 1, 20), (1, 1, 10), (1, 1, 5), (1, 2, 20), (1, 4, 20), (1, 1, 1), (5, 5, 1), (10, 10, 1), (20, 20, 1),
 )  # fmt: skip
@@ -40,12 +41,20 @@ def energies(size, restitution, friction, rng):
     return found[0], max(found), min(found)
 
 
-def change_of_spin(restitution, rng):
-    """Change of the spin of a smooth capsule about its axis, rad/s, where it lands."""
-    world = World()
-    world.add_plane(friction=0.0)
-    options = {"position": (0, 0, 2), "friction": 0.0, "restitution": restitution}
-    capsule = world.add_capsule(0.05, 1.0, **options, **random_turn(rng))
+def change_of_spin(ground, restitution, rng):
+    """Change of the spin of a smooth capsule of 1:1 to 1:60 about its axis, rad/s, where it lands."""
+    world, smooth = World(), {"friction": 0.0, "restitution": restitution}
+    if ground == "plane":
+        world.add_plane(**smooth)
+    elif ground == "box":
+        world.add_box((20, 20, 2), position=(0, 0, -1), static=True, **smooth)
+    else:
+        corners = [(-10, -10, 0), (10, -10, 0), (10, 10, 0), (-10, 10, 0)]
+        world.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], **smooth)
+    turn = random_turn(rng)
+    turn["angular_velocity"] = rng.choice([1.0, 3.0]) * turn["angular_velocity"]
+    radius = 0.5 * 10.0 ** rng.uniform(-1.8, 0.0)
+    capsule = world.add_capsule(radius, 1.0, position=(0, 0, 2), **smooth, **turn)
     before = axis_of(world, capsule) @ world.angular_velocity[capsule.index]
     world.advance(STEP, 150)
     return axis_of(world, capsule) @ world.angular_velocity[capsule.index] - before
@@ -62,10 +71,14 @@ def main():
             found = np.array([energies(SIZES[k % len(SIZES)], restitution, friction, rng) for k in range(starts)])
             gained, lost = found[:, 1] / found[:, 0] - 1.0, 1.0 - found[:, 2] / found[:, 0]
             print(f"| {restitution} | {friction} | {gained.max():.1e} | {lost.max():.1e} |", flush=True)
-    for restitution in RESTITUTIONS:
-        rng = np.random.default_rng(8)
-        most = max(abs(change_of_spin(restitution, rng)) for _ in range(starts))
-        print(f"spin of a smooth capsule, restitution {restitution}: changes by {most:.1e} rad/s at most", flush=True)
+    for ground in GROUNDS:
+        for restitution in RESTITUTIONS:
+            rng = np.random.default_rng(8)
+            most = max(abs(change_of_spin(ground, restitution, rng)) for _ in range(starts))
+            print(
+                f"spin of a smooth capsule on a {ground}, e = {restitution}: changes by {most:.1e} rad/s at most",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

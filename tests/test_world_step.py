@@ -27,7 +27,7 @@ def test_the_word_says_what_a_step_does():
     assert str(word) == (
         "begin place-shapes begin-forces find-pairs find-points divide-fast-rotation pass-on-impulses find-heaps"
         " colour prepare find-bouncing begin-paths"
-        " (begin-forces kick bounce warm-start solve drift relax follow-paths)*"
+        " (begin-forces kick bounce refresh-hit warm-start solve drift relax follow-paths)*"
         " find-missed divide-fast-rotation measure-residual ask-again drop-paths find-lost store finish count-unsolved"
         " note-touching"
     )

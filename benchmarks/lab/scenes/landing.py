@@ -86,11 +86,14 @@ def _smooth() -> Trial:
     return Trial("50 smooth sticks landing, e = 1", scenes, 2.5, (gains(0.001), loses(0.01)), looks=150)
 
 
-def _spinning() -> Trial:
+def _spinning(ground: str) -> Trial:
     """Frictionless capsules spin about their axes as they land: nothing can change that."""
     random = np.random.default_rng(5)
     builder = Builder(friction=0.0)
-    builder.plane(layer=_FLOOR)
+    if ground == "plane":
+        builder.plane(layer=_FLOOR)
+    else:
+        builder.box((40.0, 40.0, 2.0), position=(0.0, 0.0, -1.0), static=True, layer=_FLOOR)
     for x in (np.arange(12) - 5.5) * 2:
         tilt = random.uniform(0.2, 1.4)
         turn = (np.cos(tilt / 2), 0.0, np.sin(tilt / 2), 0.0)
@@ -104,7 +107,8 @@ def _spinning() -> Trial:
         return float(np.abs(spins / spins[0] - 1).max())
 
     scene = builder.scene()
-    return Trial("12 frictionless capsules spinning", (scene,), 2.5, (at_most("spin changes", "", change, 1e-6),), 75)
+    name = f"12 frictionless capsules spinning on a {ground}"
+    return Trial(name, (scene,), 2.5, (at_most("spin changes", "", change, 1e-6),), 75)
 
 
 TRIALS = (
@@ -113,5 +117,6 @@ TRIALS = (
     *(_landing("box", e, 10 * k + 300, planar=True) for k, e in enumerate((0.0, 0.5, 1.0))),
     _fast(),
     _smooth(),
-    _spinning(),
+    _spinning("plane"),
+    _spinning("box"),
 )

@@ -91,4 +91,13 @@ def _nets(side: int = 14, mesh: float = 0.2) -> Trial:
     return Trial("planar: nets of 14 x 14 balls", tuple(scenes), 5.0, (rises(1e-6), apart(0.1)))
 
 
-TRIALS = (_zigzag(), _pyramid(), _towers(), _nets(), _bridge(True), _bridge(False), _bridge(True, 0.0), _bridge(False, 0.0))
+TRIALS = (
+    _zigzag(),
+    _pyramid(),
+    _towers(),
+    _nets(),
+    _bridge(True),
+    _bridge(False),
+    _bridge(True, 0.0),
+    _bridge(False, 0.0),
+)

@@ -107,7 +107,7 @@ def flown(world: int, h: float, body: int, when: float) -> Flight:
     v, w, none = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY), (0.0, 0.0, 0.0)
     if not is_moved(world, body):
         return plus(at, times(when, v)), product(exponential(times(when, w)), q), v, w, none, times(when, w)
-    at = plus(at, _way(world, h, body, when))
+    at = plus(at, way_to(world, h, body, when))
     v = minus(v, times(_left_to_gain(world, h, when), vector_at(kicked, body, ADDED)))
     if inertia[body, INERTIA_KIND] != TUMBLES:
         return at, product(exponential(times(when, w)), q), v, w, none, times(when, w)
@@ -196,7 +196,7 @@ def leave_impact(world: int, h: float, body: int) -> None:
         return
     kicked[body, NEXT_IMPACT] = -2.0
     when, inertia = kicked[body, IMPACT_TIME], floats(world, INERTIA)
-    way = _way(world, h, body, when)
+    way = way_to(world, h, body, when)
     q, turn = quaternion_at(pose, body, ORIENTATION), vector_at(motion, body, ANGULAR_VELOCITY)
     if inertia[body, INERTIA_KIND] == TUMBLES:
         moments, spin = symmetric_at(inertia, body, BODY_INERTIA), vector_at(kicked, body, SPIN)
@@ -218,7 +218,7 @@ def leave_impact(world: int, h: float, body: int) -> None:
 
 
 @compiled(inline=True)
-def _way(world: int, h: float, body: int, when: float) -> Vector:
+def way_to(world: int, h: float, body: int, when: float) -> Vector:
     """Return the displacement of a body from the start of the substep to a time, m, by the midpoint rule if it is set."""
     kicked, midpoint = floats(world, KICKED), floats(world, SETTINGS)[0, MIDPOINT]
     late = midpoint * when * (0.5 * when / h - 1.0)

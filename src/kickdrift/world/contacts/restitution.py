@@ -32,6 +32,7 @@ from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, w
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
 from kickdrift.world.contacts.impact_points import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
 from kickdrift.world.contacts.simultaneous_impact import find_impulses
+from kickdrift.world.contacts.stale_arms import hide_from_sweeps
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
@@ -59,7 +60,6 @@ _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FASTER = 2.0  # times the speed at which a contact seemed to hit and did not: then it may hit after all
 _UNSEEN = 1e-9  # of the slop: shorter ways in a substep are no approach; without weight, they would halve for ever
-_FAR = 1e10  # m, as a gap
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
 
@@ -165,23 +165,13 @@ def bounce(t: float, h: float, world: int) -> None:
             own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit else c.MISSED
             own[(c.REFERENCE + 1) * c.WIDTH] = impact[hit, SPEED]
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
-                _hide_from_sweeps(own, k)
+                hide_from_sweeps(own, k)
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
     else:
         fastest = _find_round(world, _ROUNDS, h)
     if fastest > max(_ROUGH * first, near / h):
         warn_of_impacts(world, body, t)
-
-
-@compiled(inline=True)
-def _hide_from_sweeps(own: Any, point: int) -> None:
-    """Make the gap of a point so large that the sweeps ignore it until its arms are recomputed.
-
-    Bodies that have bounced are moved back to poses that they never had, in which they may seem to overlap if they turn fast.
-    The sweeps assume constant velocities, and might also stop the corner of a fast body that only passes by.
-    """
-    own[(c.P + c.POINT_FIELDS * point + c.GAP) * c.WIDTH] = _FAR
 
 
 @compiled(inline=True)
@@ -289,7 +279,7 @@ def _find_times(world: int, h: float, row: int, hit: Any) -> bool:
         if speed > 0.0 and when < hit[TIME]:
             hit[TIME], hit[SPEED] = when, speed
         if free:
-            _hide_from_sweeps(own, k)
+            hide_from_sweeps(own, k)
             own[c.REFERENCE * c.WIDTH] = c.HIT
     hits: bool = hit[TIME] < math.inf
     return hits

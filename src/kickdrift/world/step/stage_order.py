@@ -25,6 +25,7 @@ from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
+from kickdrift.world.contacts.stale_arms import refresh_hit
 from kickdrift.world.direct.energy_warning import note_losses
 from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.half_kicks import complete_half_kicks, mark_half_kicks
@@ -137,7 +138,7 @@ def _substep(uses: Uses) -> Stages:
         *_forces(uses),
         *when(uses.joints, mark_half_kicks),
         kick,
-        *when(uses.impacts, bounce),
+        *when(uses.impacts, bounce, refresh_hit),
         warm_start,
         *when(uses.joints, warm_start_joints),
         solve,
