@@ -428,6 +428,22 @@ def test_bodies_in_free_flight_that_bounce_near_springs_keep_their_energy():
         assert world.energy().total == pytest.approx(before, rel=1e-4)
 
 
+@pytest.mark.parametrize("joint", ["add_hinge", "add_fixed_joint"])
+@pytest.mark.parametrize("restitution", [1.0, 0.8, 0.5])
+def test_a_ball_on_a_plank_that_a_joint_holds_keeps_the_square_of_e_of_its_energy(joint, restitution):
+    """Taken as falling freely, the plank gave the ball up to 11 % too much."""
+    rng = np.random.default_rng(2)
+    for _ in range(8):
+        world, height = World(), rng.uniform(0.1, 1.5)
+        ball = world.add_sphere(0.1, position=(0, 0, 0.1 + height), mass=1.0, restitution=restitution)
+        plank = world.add_box((1, 1, 0.1), position=(0, 0, -0.05), mass=1e6)
+        getattr(world, joint)(None, plank, (0, 0, -0.05), **({"axis": (0, 1, 0)} if joint == "add_hinge" else {}))
+        while ball.velocity[2] <= 0.0:
+            world.step(STEP)
+        left = 0.5 * ball.velocity[2] ** 2 + 9.81 * (ball.position[2] - 0.1)
+        assert left == pytest.approx(restitution**2 * 9.81 * height, rel=0.01)
+
+
 @pytest.mark.parametrize("restitution", [0.5, 0.8, 1.0])
 def test_a_rod_on_a_hinge_that_falls_on_its_tip_keeps_the_square_of_e_of_its_energy(restitution):
     """Within 3 %, at heights that differ; without the way that is left at the impact, it kept up to 11 % too much."""

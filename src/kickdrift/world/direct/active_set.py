@@ -99,8 +99,7 @@ def solve_island(world: int, island: int, h: float, ahead: float, task: int, afr
     ----------
     world, island : int
     h, ahead : float
-        Substep, and the time for which the new velocities act: h, or 0 for a projection, s. -1 for changes of position in a
-        projection by one solution, which are not applied.
+        Substep, and the time for which the new velocities act: h, or 0 for a projection, s; or `CORRECTION` or `PREDICTION`.
     task : int
         The laws of contacts: `PRESS`, `REST`, `BOUNCE` or `BOUNCE_FRICTION`.
     afresh : bool

@@ -74,3 +74,7 @@ BORNE = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse of the solution a
 BASE = column(CONTACT_ROW, CONTACT_ROWS)  # change of impulse with which held rows begin the next refinement
 WEIGHT = column(CONTACT_ROW, TWIST, "kg")  # mass borne, by which the stiffness of points and tangents is scaled
 OPEN, HELD, SLIDING = 0.0, 1.0, 2.0
+
+# Solutions that are found once, with the pieces of laws that the joints begin with, and not applied: changes of position, and
+# of velocity. They are given in place of the time for which velocities act.
+CORRECTION, PREDICTION = -1.0, -2.0

@@ -7,7 +7,7 @@ from kickdrift.core.spatial import spatial_of
 from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.direct.blocks import add_scaled
-from kickdrift.world.direct.layout import FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
+from kickdrift.world.direct.layout import CORRECTION, FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
 from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LINK_BODY
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
@@ -42,8 +42,8 @@ def put_inertia(world: int, link: int, ahead: float) -> None:
     """Write the 6 x 6 inertia of the body of a link about its centre of mass, for velocities that act for a time `ahead`, s.
 
     A change dw of its angular velocity w turns it, after a time h, by h T dw with T = 1 + h w x / 2 + ...: velocities
-    ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4. A negative time is for
-    changes of position alone: then all bodies have unit mass, so that light ones are not moved far on behalf of heavy ones.
+    ahead are T dw, and the inertia is I T^-1, where T^-1 = 1 - h w x / 2 + (h w x)^2 / 12 up to h^4. For a
+    `CORRECTION` all bodies have unit mass, so that light ones are not moved far on behalf of heavy ones.
     """
     work, response = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS)
     body = integers(world, LINK)[link, LINK_BODY]
@@ -67,9 +67,9 @@ def put_inertia(world: int, link: int, ahead: float) -> None:
     else:
         immovable = _IMMOVABLE * mass
         moments = (immovable, immovable, immovable, 0.0, 0.0, 0.0)
-    if ahead < 0.0:
-        mass, moments, ahead = 1.0, _divided(moments, mass), 0.0
-    turn = times(ahead, vector_at(floats(world, MOTION), body, ANGULAR_PART))
+    if ahead == CORRECTION:
+        mass, moments = 1.0, _divided(moments, mass)
+    turn = times(max(ahead, 0.0), vector_at(floats(world, MOTION), body, ANGULAR_PART))
     for k in range(3):
         work[link, ARTICULATED_INERTIA + 7 * k] = mass
         row = (moments[3], moments[1], moments[5]) if k == 1 else (moments[4], moments[5], moments[2])

@@ -5,7 +5,7 @@ from kickdrift.core.vectors import length, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contacts import REST
-from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, LINK_ROW
+from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, CORRECTION, FIRST_JOINT, FIRST_NODE, LINK_ROW
 from kickdrift.world.direct.loop_closures import has_loops, stay_closings
 from kickdrift.world.direct.velocities import kinetic_energy, note_velocities
 from kickdrift.world.joints.body_shift import shift_body
@@ -39,7 +39,7 @@ def _correct(world: int, island: int, h: float) -> None:
     order, work, noted = integers(world, ISLAND_JOINT), floats(world, LINK_NUMBERS), floats(world, NOTED)
     aim_island(world, island, h, REPAIR)
     stay_closings(world, island)
-    solve(world, island, h, -1.0, REST, True, False)
+    solve(world, island, h, CORRECTION, REST, True, False)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link = nodes[node, LINK_ROW]
         way, turn = times(h, vector_at(work, link, GAIN)), times(h, vector_at(work, link, GAIN + 3))

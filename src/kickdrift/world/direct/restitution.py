@@ -16,7 +16,8 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.restitution import pressing_acceleration, slowest_bounce, strikes
+from kickdrift.world.contacts.restitution import slowest_bounce, strikes
+from kickdrift.world.direct.accelerations import find_accelerations, read_accelerations
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contacts import BOUNCE, BOUNCE_FRICTION, read_both, twelve
 from kickdrift.world.direct.energy_guard import NO_MORE, has_more
@@ -45,9 +46,12 @@ def bounce_islands(t: float, h: float, world: int) -> None:
 @compiled(cached=False)
 def _resolve_impacts(world: int, island: int, h: float) -> bool:
     """Resolve the impacts of an island in rounds; return whether no point hits any more."""
-    for _ in range(_ROUNDS):
+    for n in range(_ROUNDS):
         if not _find_hits(world, island, h):
             return True
+        if n == 0:
+            find_accelerations(world, island, h)
+        _find_speeds(world, island)
         note_velocities(world, island)
         most = NO_MORE * energy_driven(world, island, kinetic_energy(world, island, MOTION))
         solve_at_once(world, island, h, RELAX, BOUNCE)
@@ -70,27 +74,26 @@ def _leave_impacts(world: int, island: int) -> None:
 
 @compiled(cached=False)
 def _find_hits(world: int, island: int, h: float) -> bool:
-    """Find the points of an island that hit, and their speeds after the impact; return whether any does."""
+    """Mark the points of an island that hit; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    contact, place, found, struck = integers(world, CONTACT), floats(world, PLACE), False, False
+    contact, found, struck = integers(world, CONTACT), False, False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         struck = struck or strikes(world, row_of(world, order[k, 0]))
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         row = row_of(world, order[k, 0])
-        e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-        if _hits(world, order[k, 0], e, e > 0.0 or struck, h):
+        if _hits(world, order[k, 0], _restitution(world, row) > 0.0 or struck, h):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
             found = True
     return found
 
 
 @compiled(cached=False)
-def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
-    """Write the speeds after an impact (HITS) of the points of a contact; return whether any hits within the substep."""
+def _hits(world: int, index: int, may_hit: bool, h: float) -> bool:
+    """Mark the points of a contact that hit (HITS); return whether any hits within the substep."""
     a, b = bodies_of(world, index)
     own, numbers = constraint(world, index), contact_row(world, index)
     row = row_of(world, index)
-    slowest, pressing = slowest_bounce(world, h, row), pressing_acceleration(world, row)
+    slowest = slowest_bounce(world, h, row)
     velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
@@ -104,9 +107,7 @@ def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
         gap = own[i + c.GAP * c.WIDTH] + along(wrench, change)
         speed = along(wrench, velocity)
         if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
-            # On the rest of the way forces make the point faster, and slower on the way back to here.
-            forced = 2.0 * pressing * max(gap, 0.0)
-            numbers[HITS + k] = math.sqrt(max(e * e * (speed * speed + forced) - forced, 0.0))
+            numbers[HITS + k] = 0.0
             hit = hit or gap + h * speed <= 0.0
     for k in range(TANGENT):
         numbers[HITS + k] = numbers[HITS + k] if hit else -1.0
@@ -114,3 +115,39 @@ def _hits(world: int, index: int, e: float, may_hit: bool, h: float) -> bool:
         for k in range(CONTACT_ROWS):
             own[impulse_field(k) * c.WIDTH] = 0.0
     return hit
+
+
+@compiled(cached=False)
+def _find_speeds(world: int, island: int) -> None:
+    """Find the speeds after the impact of the points of an island that hit.
+
+    On the rest of the way forces and joints make a point faster, and slower on the way back to the start of the substep.
+    """
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    velocity, change, forced, wrench = twelve(), twelve(), twelve(), twelve()
+    for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        index = order[place, 0]
+        a, b = bodies_of(world, index)
+        fields, numbers, e = (
+            constraint(world, index),
+            contact_row(world, index),
+            _restitution(world, row_of(world, index)),
+        )
+        read_both(world, MOTION, a, b, velocity)
+        read_both(world, DELTA_POSE, a, b, change)
+        read_accelerations(world, island, a, b, forced)
+        for k in range(TANGENT):
+            if numbers[HITS + k] < 0.0:
+                continue
+            write_wrench(fields, k, wrench)
+            gap = fields[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] + along(wrench, change)
+            speed, gained = along(wrench, velocity), -2.0 * along(wrench, forced) * max(gap, 0.0)
+            numbers[HITS + k] = math.sqrt(max(e * e * (speed * speed + gained) - gained, 0.0))
+
+
+@compiled(inline=True, cached=False)
+def _restitution(world: int, row: int) -> float:
+    """Return the coefficient of restitution of a contact."""
+    contact, place = integers(world, CONTACT), floats(world, PLACE)
+    e: float = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
+    return e

@@ -130,6 +130,7 @@ YIELD = column(LINK_NUMBERS, 6, "1/kg, 1/(kg m^2)")  # of open axes: speed per i
 BEGUN = column(LINK_NUMBERS, 6, "N s, N m s", over=YIELD)
 BIAS_IMPULSE = column(LINK_NUMBERS, 6, "N s, N m s")  # impulse at the joint if its other side does not move
 GAIN = column(LINK_NUMBERS, 6, "m/s, rad/s")  # of velocity: of the body
+ACCELERATION = column(LINK_NUMBERS, 6, "m/s^2, rad/s^2")  # of the body, by forces and joints, where it is hit
 JOINT_WRENCH = column(LINK_NUMBERS, 6, "N s, N m s")  # impulse at the joint, on the body
 RIGHT_HAND_SIDE = column(LINK_NUMBERS, 6, "m/s, rad/s")  # of speed of a held axis that is wanted
 PUSH = column(LINK_NUMBERS, 6, "N s, N m s")  # of an open axis: impulse is PUSH - SLOPE times change of speed

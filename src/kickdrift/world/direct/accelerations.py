@@ -1,0 +1,52 @@
+"""Accelerations of the bodies of an island by forces and by the joints that hold them."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
+from kickdrift.world.direct.active_set import aim_island, solve
+from kickdrift.world.direct.contacts import REST
+from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, PREDICTION
+from kickdrift.world.direct.loop_closures import stay_closings
+from kickdrift.world.direct.node_selection import body_of, node_of, place_in
+from kickdrift.world.direct.velocities import note_velocities, take_back_velocities
+from kickdrift.world.joints.layout import ACCELERATION, ANGULAR_PART, GAIN, LINEAR_PART
+from kickdrift.world.joints.right_hand_side import RELAX
+from kickdrift.world.tables import ISLAND, LINK_NUMBERS, MOTION, NODE, floats, integers
+
+
+@compiled(cached=False)
+def find_accelerations(world: int, island: int, h: float) -> None:
+    """Store the accelerations of the bodies of an island by forces and joints, without contacts, motors and rotation."""
+    own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
+    work, motion = floats(world, LINK_NUMBERS), floats(world, MOTION)
+    note_velocities(world, island)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body, link = body_of(world, node), nodes[node, LINK_ROW]
+        free, turn = acceleration(world, body), angular_acceleration(world, body)
+        for k in range(3):
+            work[link, ACCELERATION + k], work[link, ACCELERATION + 3 + k] = free[k], turn[k]
+            motion[body, LINEAR_PART + k] += h * free[k]
+            motion[body, ANGULAR_PART + k] += h * turn[k]
+    aim_island(world, island, h, RELAX)
+    stay_closings(world, island)
+    solve(world, island, h, PREDICTION, REST, True, False)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        link = nodes[node, LINK_ROW]
+        for k in range(6):
+            work[link, ACCELERATION + k] += work[link, GAIN + k] / h
+    take_back_velocities(world, island)
+
+
+@compiled(cached=False)
+def read_accelerations(world: int, island: int, a: int, b: int, numbers: Any) -> None:
+    """Read the accelerations of two bodies, (12,); those of bodies outside the island are those of free ones."""
+    work = floats(world, LINK_NUMBERS)
+    for side in range(2):
+        body = b if side == 1 else a
+        free, turn, link = acceleration(world, body), angular_acceleration(world, body), node_of(world, body)
+        for k in range(3):
+            numbers[6 * side + k], numbers[6 * side + 3 + k] = free[k], turn[k]
+        if place_in(world, island, body) >= 0:
+            for k in range(6):
+                numbers[6 * side + k] = work[link, ACCELERATION + k]
