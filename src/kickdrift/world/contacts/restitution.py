@@ -33,6 +33,7 @@ from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, 
 from kickdrift.world.contacts.impact_points import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
 from kickdrift.world.contacts.simultaneous_impact import find_impulses
 from kickdrift.world.contacts.stale_arms import hide_from_sweeps
+from kickdrift.world.contacts.support import add_support, remove_support
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
@@ -138,6 +139,10 @@ def bounce(t: float, h: float, world: int) -> None:
         return
     begin_rounds(world)
     body, first, fastest, near = 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
+    if _find_round(world, 0, h) == 0.0:
+        return
+    add_support(world)
+    begin_rounds(world)
     for n in range(_ROUNDS):
         fastest, together = _find_round(world, n, h), n >= _APART
         first = max(first, fastest)
@@ -170,6 +175,7 @@ def bounce(t: float, h: float, world: int) -> None:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
     else:
         fastest = _find_round(world, _ROUNDS, h)
+    remove_support(world)
     if fastest > max(_ROUGH * first, near / h):
         warn_of_impacts(world, body, t)
 

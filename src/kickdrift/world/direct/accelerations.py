@@ -1,29 +1,38 @@
-"""Accelerations of the bodies of an island by forces and by the joints that hold them."""
+"""Accelerations of the bodies of an island by forces, by what they rest on, and by the joints that hold them."""
 
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import dot, plus, times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
+from kickdrift.world.columns import vector_at
+from kickdrift.world.contacts.support import impulse_of
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contacts import REST
-from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, PREDICTION
+from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_NODE, FIRST_CONTACT, FIRST_NODE, LINK_ROW, PREDICTION
+from kickdrift.world.direct.linked_contacts import bodies_of, constraint
 from kickdrift.world.direct.loop_closures import stay_closings
 from kickdrift.world.direct.node_selection import body_of, node_of, place_in
 from kickdrift.world.direct.velocities import note_velocities, take_back_velocities
 from kickdrift.world.joints.layout import ACCELERATION, ANGULAR_PART, GAIN, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
-from kickdrift.world.tables import ISLAND, LINK_NUMBERS, MOTION, NODE, floats, integers
+from kickdrift.world.layout import INVERSE_LINEAR_MASS
+from kickdrift.world.tables import INVERSE_MASS, ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 
 @compiled(cached=False)
 def find_accelerations(world: int, island: int, h: float) -> None:
-    """Store the accelerations of the bodies of an island by forces and joints, without contacts, motors and rotation."""
+    """Store the accelerations of the bodies of an island by forces, support and joints, without motors and rotation."""
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
     work, motion = floats(world, LINK_NUMBERS), floats(world, MOTION)
+    _find_support(world, island, h)
     note_velocities(world, island)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         body, link = body_of(world, node), nodes[node, LINK_ROW]
         free, turn = acceleration(world, body), angular_acceleration(world, body)
+        carried = plus(free, vector_at(work, link, ACCELERATION))
+        if dot(carried, carried) < dot(free, free):  # otherwise an impact has stopped it, as in `add_support`
+            free = carried
         for k in range(3):
             work[link, ACCELERATION + k], work[link, ACCELERATION + 3 + k] = free[k], turn[k]
             motion[body, LINEAR_PART + k] += h * free[k]
@@ -36,6 +45,25 @@ def find_accelerations(world: int, island: int, h: float) -> None:
         for k in range(6):
             work[link, ACCELERATION + k] += work[link, GAIN + k] / h
     take_back_velocities(world, island)
+
+
+@compiled(cached=False)
+def _find_support(world: int, island: int, h: float) -> None:
+    """Store the accelerations by the contacts on which bodies rest, with their impulses of the substep before."""
+    own, nodes, order = integers(world, ISLAND)[island], integers(world, NODE), integers(world, ISLAND_CONTACT)
+    work, inverse_mass = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        for k in range(3):
+            work[nodes[node, LINK_ROW], ACCELERATION + k] = 0.0
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        push = times(1.0 / h, impulse_of(constraint(world, order[k, 0])))
+        a, b = bodies_of(world, order[k, 0])
+        for side in range(2):
+            body, sign = (b, 1.0) if side == 1 else (a, -1.0)
+            if place_in(world, island, body) >= 0:
+                for i in range(3):
+                    gained = sign * inverse_mass[body, INVERSE_LINEAR_MASS] * push[i]
+                    work[node_of(world, body), ACCELERATION + i] += gained
 
 
 @compiled(cached=False)
