@@ -139,10 +139,7 @@ def bounce(t: float, h: float, world: int) -> None:
         return
     begin_rounds(world)
     body, first, fastest, near = 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
-    if _find_round(world, 0, h) == 0.0:
-        return
     add_support(world)
-    begin_rounds(world)
     for n in range(_ROUNDS):
         fastest, together = _find_round(world, n, h), n >= _APART
         first = max(first, fastest)
