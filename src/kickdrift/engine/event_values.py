@@ -62,6 +62,8 @@ def first_bad(
     found: int | None = None
     why = ""
     for event, value, errors in zip(events, values, raised, strict=True):
+        if event.rate_bound is None and not np.isnan(value.min()):  # NaN if any value is
+            continue
         nan = np.isnan(value)
         bad = nan.copy()
         if event.rate_bound is not None and not jumps:

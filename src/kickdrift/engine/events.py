@@ -37,8 +37,8 @@ from kickdrift.systems.system import System
 Floats = NDArray[np.float64]
 
 _NUMBERS = 1 << 16  # of states that are kept until functions are evaluated there
-# fewer cost more calls, and more do not stay in the cache: 12 ns a step more for 1 << 12, 7 for 1 << 15
-_MOST_ROWS = 1 << 14
+# fewer cost more calls, and more do not stay in the cache: 34 ns a step more for 1 << 12, 3 for 1 << 14, 5 for 1 << 16
+_MOST_ROWS = 1 << 15
 _NEAR = 1e-9  # of a step: a step that begins so soon before the end of a run has no zero before it
 
 
@@ -266,8 +266,9 @@ class Watch:
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
         """Return the parts of steps with a zero in the wanted direction; steps are halved where more zeros may hide."""
         bound = self.events[event].rate_bound
-        if bound is None:
-            return steps.part(self._crosses(event, steps))
+        if bound is None:  # all of them have a zero
+            crosses = self._crosses(event, steps)
+            return steps if crosses.all() else steps.part(crosses)
 
         def value_at(which: NDArray[np.intp], left: Brackets, share: Floats) -> Floats:
             *_, values, own = self._ask(event, left, share)
