@@ -3,7 +3,7 @@
 import numpy as np
 
 from kickdrift.core.calls import address_of
-from kickdrift.world.step.loop import STAGE, run
+from kickdrift.world.step.stage_loop import STAGE, run
 
 
 def run_stage(stage, step, tables):

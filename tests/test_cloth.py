@@ -12,7 +12,7 @@ from kickdrift.world.cloth import bending, membrane
 from kickdrift.world.cloth.curvature import curvature_of
 from kickdrift.world.cloth.layout import FORCES, FORCES_APART, LANE_FIELDS
 from kickdrift.world.cloth.mesh import cloth_mesh, flattened, grid
-from kickdrift.world.cloth.particle_lanes import fill_lanes
+from kickdrift.world.cloth.particle_fields import fill_lanes
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down

@@ -10,7 +10,7 @@ from kickdrift.world import tables
 from kickdrift.world.cloth import bending, layout, membrane
 from kickdrift.world.cloth.face_groups import face_groups
 from kickdrift.world.cloth.mesh import grid
-from kickdrift.world.cloth.particle_lanes import fill_lanes
+from kickdrift.world.cloth.particle_fields import fill_lanes
 
 N, M = 21, 19
 PART = 1e-4  # s

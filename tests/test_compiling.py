@@ -26,12 +26,12 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
-from kickdrift.world.direct.relaxation import relax_islands
-from kickdrift.world.direct.restitution import bounce_islands
-from kickdrift.world.direct.solve import solve_islands
-from kickdrift.world.shapes.catalogue import RAYS
+from kickdrift.world.direct.island_restitution import bounce_islands
+from kickdrift.world.direct.island_solver import solve_islands
+from kickdrift.world.direct.velocity_projection import relax_islands
+from kickdrift.world.shapes.shape_kinds import RAYS
 from kickdrift.world.step.compiling import _jobs, all_jobs
-from kickdrift.world.step.loop import STAGE
+from kickdrift.world.step.stage_loop import STAGE
 
 INNER = """
 from kickdrift.core.compilation import compiled
@@ -214,7 +214,7 @@ def _scaled(x):
 
 JOBS = (
     "from kickdrift.core import parallel_compile;"
-    "from kickdrift.world.collision import PAIRS;"
+    "from kickdrift.world.collision.pair_dispatch import PAIRS;"
     "from kickdrift.world.collision.narrow_phase import COLLIDE;"
     "from kickdrift.engine import letters;"
     "jobs = [(PAIRS[0, 2], COLLIDE)];"

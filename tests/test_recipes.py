@@ -193,7 +193,7 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.shapes import sphere
-from kickdrift.world.shapes.kinds import BEAD
+from kickdrift.world.shapes.kind_numbers import BEAD
 from kickdrift.world.shapes.record import CENTRE, SOLID, Kind
 
 
@@ -236,12 +236,12 @@ RECORD = Kind(
 def test_a_new_shape(house):
     house.add("world/shapes/bead.py", BEAD)
     pairs = "world/collision/__init__.py"
-    house.line("world/shapes/kinds.py", "CONE = 9\n", "BEAD = 10\n")
-    house.line("world/shapes/catalogue.py", "    cone.RECORD,\n", "    bead.RECORD,\n")
+    house.line("world/shapes/kind_numbers.py", "CONE = 9\n", "BEAD = 10\n")
+    house.line("world/shapes/shape_kinds.py", "    cone.RECORD,\n", "    bead.RECORD,\n")
     house.line(
-        "world/shapes/catalogue.py", "from kickdrift.world.shapes.record", "from kickdrift.world.shapes import bead\n"
+        "world/shapes/shape_kinds.py", "from kickdrift.world.shapes.record", "from kickdrift.world.shapes import bead\n"
     )
-    house.line(pairs, "from kickdrift.world.shapes.kinds", "from kickdrift.world.shapes import bead\n")
+    house.line(pairs, "from kickdrift.world.shapes.kind_numbers", "from kickdrift.world.shapes import bead\n")
     house.line(pairs, "    (PLANE, CONE): frustum", "    (PLANE, 10): spheres.plane_sphere,\n")
     with_message = subprocess.run(
         [sys.executable, "-c", "import kickdrift.world.collision"],
@@ -279,8 +279,8 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from kickdrift.world.arguments import direction, vector
-from kickdrift.world.joints.axis import FREE, LOCKED, Axis
+from kickdrift.world.argument_checks import direction, vector
+from kickdrift.world.joints.axis_options import FREE, LOCKED, Axis
 from kickdrift.world.joints.record import Placement, Record, frame_along
 
 
@@ -303,9 +303,9 @@ class Piston(Record):
 @pytest.mark.parametrize("house", ["joint"], indirect=True)
 def test_a_new_joint(house):
     house.add("world/joints/piston.py", PISTON)
-    for path in ("world/joints/catalogue.py", "world/joints/adding.py"):
+    for path in ("world/joints/joint_kinds.py", "world/joints/adding.py"):
         house.line(path, "from kickdrift.world.joints.record", "from kickdrift.world.joints.piston import Piston\n")
-    house.line("world/joints/catalogue.py", "Gear)", "Piston, ")
+    house.line("world/joints/joint_kinds.py", "Gear)", "Piston, ")
     house.line("world/joints/adding.py", "    add_ball_joint = ", '    add_piston = _adds("add_piston", Piston)\n')
     code = """
 world = kd.World()

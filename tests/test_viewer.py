@@ -24,7 +24,6 @@ from kickdrift.viewer.surfaces import SURFACES, halves_of_ball, surface_of
 from kickdrift.world.recordings.appearance import DrawnShape, Rod
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
-from kickdrift.world.shapes.catalogue import KINDS, kind_of
 from kickdrift.world.shapes.cone import Cone
 from kickdrift.world.shapes.cylinder import Cylinder
 from kickdrift.world.shapes.heightfield import HeightField
@@ -32,6 +31,7 @@ from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.record import SOLID, SURFACE
+from kickdrift.world.shapes.shape_kinds import KINDS, kind_of
 from kickdrift.world.shapes.sphere import Sphere
 
 CLIENT = (Path(viser.__file__).parent / "client" / "build" / "index.html").stat().st_size

@@ -5,9 +5,9 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core.errors import LostBodyError
-from kickdrift.world.batch import AFTER_MEMBER, FIRST_MEMBER
+from kickdrift.world.batch_view import AFTER_MEMBER, FIRST_MEMBER
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.batching import FEW, OWN_BATCH, find_batches
+from kickdrift.world.contacts.batch_division import FEW, OWN_BATCH, find_batches
 from kickdrift.world.layout import BODY_KIND, STATIC
 from kickdrift.world.step import stepping
 from kickdrift.world.tables import BATCH, BODY, CONTACT, LOAD, MANIFOLD, MEMBER, MEMBERSHIP, MOTION, POSE

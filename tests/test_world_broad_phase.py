@@ -10,10 +10,17 @@ from stages import run_stage
 
 from kickdrift.world import tables as t
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.broad_phase_state import (
+    FITTED,
+    LEFT,
+    MOVERS_CHANGED,
+    VISITS,
+    filters_changed,
+    shapes_changed,
+)
 from kickdrift.world.collision.bvh import ITEM, build, fit, gather
-from kickdrift.world.collision.dispatch import describe_kinds, find_extents
 from kickdrift.world.collision.filters import exclude
-from kickdrift.world.collision.search_state import FITTED, LEFT, MOVERS_CHANGED, VISITS, filters_changed, shapes_changed
+from kickdrift.world.collision.shape_properties import describe_kinds, find_extents
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, CONTACT_STATE, SENSOR, TOUCHING
 from kickdrift.world.layout import (
     AWAKE,
@@ -34,7 +41,7 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, VERTICES
 from kickdrift.world.step.status import FULL, LOST_BODY, NOT_FINITE, ROWS_WANTED, STATUS, TABLE

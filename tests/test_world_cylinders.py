@@ -9,10 +9,10 @@ from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 
 import kickdrift as kd
-from kickdrift.world.shapes.catalogue import KINDS
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, CONE, CYLINDER, HULL, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, CONE, CYLINDER, HULL, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.shape_kinds import KINDS
 
 G, STEP = 9.81, 1 / 60
 LYING = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)

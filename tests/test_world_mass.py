@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.capsule import Capsule
-from kickdrift.world.shapes.kinds import CAPSULE, PLANE, SPHERE
+from kickdrift.world.shapes.kind_numbers import CAPSULE, PLANE, SPHERE
 from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed, rotation_matrix
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere

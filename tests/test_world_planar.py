@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis import Motor
+from kickdrift.world.joints.axis_options import Motor
 from kickdrift.world.world import World
 
 G = 9.81

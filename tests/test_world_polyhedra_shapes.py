@@ -13,7 +13,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import BOX, HEIGHT_FIELD, HULL, MESH
+from kickdrift.world.shapes.kind_numbers import BOX, HEIGHT_FIELD, HULL, MESH
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import (
     CENTRE,

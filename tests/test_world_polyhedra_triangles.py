@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import BOX, HULL, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import BOX, HULL, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.mesh import Mesh
 

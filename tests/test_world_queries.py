@@ -13,19 +13,19 @@ from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world import tables as t
 from kickdrift.world.bodies.part import Part
 from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.broad_phase_state import CHANGED, shapes_changed
 from kickdrift.world.collision.bvh import build, fit
-from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
-from kickdrift.world.collision.dispatch import describe_kinds, find_extents
+from kickdrift.world.collision.bvh_ray_cast import NOTHING, WALK, advance, reciprocal, start
 from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
-from kickdrift.world.collision.search_state import CHANGED, shapes_changed
+from kickdrift.world.collision.shape_properties import describe_kinds, find_extents
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, RADIUS, SHAPE_KIND, STATIC
 from kickdrift.world.queries import SpatialQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
-from kickdrift.world.shapes.catalogue import RAYS
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT
+from kickdrift.world.shapes.shape_kinds import RAYS
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.step.status import FULL, ROWS_WANTED, STATUS, TABLE
 from kickdrift.world.world import World

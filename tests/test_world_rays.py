@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kickdrift.world.shapes.catalogue import RAYS
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, CONE, CYLINDER, HULL, PLANE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, CONE, CYLINDER, HULL, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.polyhedron import polyhedron_numbers
+from kickdrift.world.shapes.shape_kinds import RAYS
 
 INFINITY = float("inf")
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)

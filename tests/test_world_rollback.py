@@ -6,11 +6,11 @@ import pytest
 import kickdrift as kd
 from kickdrift.world.collision.predicted_path import TURN_ERROR
 from kickdrift.world.contacts.residual import measure_residual
-from kickdrift.world.joints.axis import Motor
+from kickdrift.world.joints.axis_options import Motor
 from kickdrift.world.joints.layout import BRAKE
 from kickdrift.world.step import stepping
-from kickdrift.world.step.loop import run
 from kickdrift.world.step.rollback import roll_back
+from kickdrift.world.step.stage_loop import run
 from kickdrift.world.step.status import DO_IN_PARTS, LEFT_BOUNCING, STATUS, TURNS_TOO_FAST, WARNING
 from kickdrift.world.tables import EVENTS, INVERSE_MASS, JOINT_NUMBERS, MOTION, PARTICLE, POSE, PREDICTED, STEP_STATUS
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull, QhullError
 
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.polyhedron import HEADER, LOOPS_AT, PLANES_AT, polyhedron_numbers
 

@@ -6,7 +6,7 @@ from colliding import count_contacts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kickdrift.world.shapes.kinds import CAPSULE, CONE, CYLINDER, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import CAPSULE, CONE, CYLINDER, SPHERE, TRIANGLE
 from kickdrift.world.shapes.mass import rotation_matrix
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)

@@ -9,13 +9,13 @@ import pytest
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.collision import PAIRS
+from kickdrift.world.collision.pair_dispatch import PAIRS
 from kickdrift.world.shapes import sphere
-from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.record import SOLID, Kind
+from kickdrift.world.shapes.shape_kinds import KINDS, kind_of, met_as
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.tables import COLLIDERS
 

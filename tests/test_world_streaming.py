@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import kickdrift as kd
 from kickdrift.cli.app import app
 from kickdrift.engine import checkpoints, zarr_store
-from kickdrift.world.recordings import running
+from kickdrift.world.recordings import recorded_run
 
 APPEND, WRITE = (zarr_store.ZarrStore, "append"), (checkpoints.Checkpoints, "write")
 
@@ -89,8 +89,8 @@ def test_an_end_before_the_end_is_written(tmp_path, monkeypatch):
         if self.count == 16:
             signal.raise_signal(signal.SIGINT)
 
-    drain = running.StreamedRecordingRows.drain
-    monkeypatch.setattr(running.StreamedRecordingRows, "drain", ctrl_c)
+    drain = recorded_run.StreamedRecordingRows.drain
+    monkeypatch.setattr(recorded_run.StreamedRecordingRows, "drain", ctrl_c)
     part = run(pile(), save_to=tmp_path / "run.zarr")
     assert part.status is kd.Outcome.INTERRUPTED
     data = xr.open_zarr(tmp_path / "run.zarr")

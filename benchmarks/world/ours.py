@@ -4,8 +4,8 @@ import numpy as np
 
 from benchmarks.world.described import Body, Floats, Joint, Scene, rotation
 from kickdrift.world.joints.ball import Ball
-from kickdrift.world.joints.catalogue import KINDS
 from kickdrift.world.joints.hinge import Hinge
+from kickdrift.world.joints.joint_kinds import KINDS
 from kickdrift.world.joints.layout import (
     ANCHOR_B,
     BODY_A,
@@ -20,7 +20,7 @@ from kickdrift.world.joints.layout import (
 )
 from kickdrift.world.layout import BODY_INERTIA, BODY_ROW, LAYER, MASK, MASS
 from kickdrift.world.settings import GRAVITY
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, SPHERE
+from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, PLANE, SPHERE
 from kickdrift.world.tables import INERTIA, JOINT, JOINT_AXES, JOINT_NUMBERS, SETTINGS, SHAPE
 from kickdrift.world.world import World
 

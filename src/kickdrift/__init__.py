@@ -59,8 +59,8 @@ from kickdrift.systems import (
     System,
 )
 from kickdrift.systems.spline import spline
-from kickdrift.world.recordings.presenters import WorldPresenters
 from kickdrift.world.recordings.recording import Recording
+from kickdrift.world.recordings.viewer_hooks import WorldPresenters
 
 if TYPE_CHECKING:
     from kickdrift.io.meshes import load_mesh
@@ -70,7 +70,7 @@ if TYPE_CHECKING:
     from kickdrift.systems.symbolic import from_lagrangian, from_sympy
     from kickdrift.world.bodies.part import Part
     from kickdrift.world.gusts import gusts
-    from kickdrift.world.joints.axis import Axis, Drive, Motor
+    from kickdrift.world.joints.axis_options import Axis, Drive, Motor
     from kickdrift.world.shapes.box import Box
     from kickdrift.world.shapes.capsule import Capsule
     from kickdrift.world.shapes.cone import Cone
@@ -158,7 +158,7 @@ _LATER = {
     "World": "kickdrift.world.world",
     "gusts": "kickdrift.world.gusts",
     "Part": "kickdrift.world.bodies.part",
-    **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis"),
+    **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis_options"),
     **{
         name: f"kickdrift.world.shapes.{name.lower()}"
         for name in ("Box", "Capsule", "Cone", "Cylinder", "Hull", "Sphere")

@@ -19,7 +19,7 @@ from kickdrift.io.robots.joints import Link, chain_of
 from kickdrift.io.robots.laws import Actuator
 from kickdrift.io.robots.omissions import gathered, omissions, overlaps
 from kickdrift.io.robots.parsing import Model, parse
-from kickdrift.world.arguments import unit_quaternion, vector
+from kickdrift.world.argument_checks import unit_quaternion, vector
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.collision.filters import exclude
 from kickdrift.world.joints.handle import Joint

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.shapes.catalogue import SHAPES, kind_of
 from kickdrift.world.shapes.record import Shape
+from kickdrift.world.shapes.shape_kinds import SHAPES, kind_of
 
 
 class Catalogue:

@@ -14,13 +14,13 @@ from kickdrift.core import archive
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
-from kickdrift.world.arguments import vector
+from kickdrift.world.argument_checks import vector
 from kickdrift.world.bodies.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.cloth.building import MET_AS
 from kickdrift.world.cloth.layout import CLOTH_GENERATION, DIMENSION
 from kickdrift.world.cloth.wind_functions import force_or_wind_of
 from kickdrift.world.collision.filters import part_joined
-from kickdrift.world.integrity import check
+from kickdrift.world.file_integrity import check
 from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, REMOVED, SEARCH_STATE, SHAPE_KIND

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from kickdrift.core.calls import address_of, caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times, turned, turned_back
-from kickdrift.world.shapes.catalogue import KINDS, RAYS
-from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.kind_numbers import TRIANGLE
 from kickdrift.world.shapes.record import RAY
+from kickdrift.world.shapes.shape_kinds import KINDS, RAYS
 
 _meet = caller(RAY)
 

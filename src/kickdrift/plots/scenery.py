@@ -13,9 +13,9 @@ from kickdrift.core.rotations import product, turn_to, turned
 from kickdrift.plots.rendering import MIDDLE, REACH
 from kickdrift.world.layout import DYNAMIC, REMOVED
 from kickdrift.world.recordings.appearance import Appearance, DrawnShape
-from kickdrift.world.shapes.catalogue import KINDS, kind_of, met_as
-from kickdrift.world.shapes.kinds import BOX, CAPSULE, PLANE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, PLANE, TRIANGLE
 from kickdrift.world.shapes.record import BALL, EXTENT, HALF_SPACE, PLAIN
+from kickdrift.world.shapes.shape_kinds import KINDS, kind_of, met_as
 from kickdrift.world.shapes.triangle import FIRST_TRIANGLE, TRIANGLE_SIZE
 
 Floats = NDArray[np.float64]

@@ -12,8 +12,8 @@ from kickdrift.viewer.meshes import ClothMesh, Drag, Drawn, JointLines, State, b
 from kickdrift.viewer.surfaces import surface_of
 from kickdrift.world.layout import DYNAMIC, REMOVED
 from kickdrift.world.recordings.appearance import Appearance, DrawnShape
-from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import HALF_SPACE
+from kickdrift.world.shapes.shape_kinds import kind_of
 
 Floats = NDArray[np.float64]
 _STRAYS = 0.01  # of all positions on either side that the camera need not see

@@ -22,7 +22,7 @@ from kickdrift.viewer.live_world import LiveWorld
 from kickdrift.viewer.meshes import Drag, State
 from kickdrift.viewer.page import Stage
 from kickdrift.viewer.server import ADDRESS, local_server
-from kickdrift.world.arguments import number
+from kickdrift.world.argument_checks import number
 from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recordings.appearance import Appearance, appearance
 from kickdrift.world.tables import CLOTH, SHAPE

@@ -12,8 +12,8 @@ from kickdrift.viewer.page import Singles, linear, rounded
 from kickdrift.viewer.surfaces import Surface, halves_of_ball, surface_of
 from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recordings.appearance import Appearance, DrawnCloth, DrawnShape, Rod
-from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import BALL
+from kickdrift.world.shapes.shape_kinds import kind_of
 
 Floats = NDArray[np.float64]
 FINE = 1 / 512  # of a shape's size, to which positions are rounded: 0.2 % of a box is a pixel of 500

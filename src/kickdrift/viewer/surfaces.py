@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.shapes import kinds
+from kickdrift.world.shapes import kind_numbers
 
 Floats = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -111,13 +111,13 @@ def _revolved(profiles: list[Floats], scale: Floats) -> Surface:
 
 SURFACES: Mapping[int, Callable[[Any], Surface]] = MappingProxyType(
     {
-        kinds.SPHERE: _sphere,
-        kinds.CAPSULE: _capsule,
-        kinds.BOX: _box,
-        kinds.HULL: _hull,
-        kinds.MESH: _mesh,
-        kinds.HEIGHT_FIELD: lambda shape: _mesh(shape.mesh),
-        kinds.CYLINDER: _cylinder,
-        kinds.CONE: _cone,
+        kind_numbers.SPHERE: _sphere,
+        kind_numbers.CAPSULE: _capsule,
+        kind_numbers.BOX: _box,
+        kind_numbers.HULL: _hull,
+        kind_numbers.MESH: _mesh,
+        kind_numbers.HEIGHT_FIELD: lambda shape: _mesh(shape.mesh),
+        kind_numbers.CYLINDER: _cylinder,
+        kind_numbers.CONE: _cone,
     }
 )

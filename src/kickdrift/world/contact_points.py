@@ -12,8 +12,8 @@ from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.layout import BEGIN, BODY_ROW, ORIENTATION, PLACE_ORIENTATION, PLACE_POSITION, POSITION, SHAPE_KIND
 from kickdrift.world.settings import LAST_SUBSTEP
-from kickdrift.world.shapes.catalogue import KINDS
 from kickdrift.world.shapes.record import CENTRE
+from kickdrift.world.shapes.shape_kinds import KINDS
 from kickdrift.world.tables import CONTACT, GEOMETRY, MANIFOLD, PLACE, POSE, SETTINGS, SHAPE, Tables
 
 Floats = NDArray[np.float64]

@@ -28,7 +28,7 @@ from kickdrift.core.memory import read_only, shaped
 from kickdrift.engine.function_key import Taken, taken_apart
 from kickdrift.engine.user_functions import argument_names, in_a_row, number_views
 from kickdrift.world.layout import FORCE_BEFORE, MASS, SUBSTEP_FORCE
-from kickdrift.world.step.loop import STAGE
+from kickdrift.world.step.stage_loop import STAGE
 from kickdrift.world.tables import (
     FORCE,
     FORCE_NUMBERS,

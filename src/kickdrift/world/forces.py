@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import Function
-from kickdrift.world.arguments import vector
-from kickdrift.world.atomic import alone, undivided
+from kickdrift.world.argument_checks import vector
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.cloth.wind_functions import WINDS
 from kickdrift.world.force_functions import Force, force_of
 from kickdrift.world.layout import LOAD_FORCE, LOAD_TORQUE, POSITION
 from kickdrift.world.tables import LOAD, POSE, Tables
+from kickdrift.world.world_lock import alone, undivided
 
 
 class AppliesForces:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.random import fill_normal
-from kickdrift.world.arguments import number, vector
+from kickdrift.world.argument_checks import number, vector
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.atomic import alone
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.collision import queries
@@ -17,6 +16,7 @@ from kickdrift.world.collision.queries import RayHit, RayHits
 from kickdrift.world.collision.query_arguments import one_vector
 from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import SHAPE, Tables
+from kickdrift.world.world_lock import alone
 
 _Ignored = Body | Iterable[Body]
 

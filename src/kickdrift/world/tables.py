@@ -48,7 +48,7 @@ GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 # Contacts: pairs of shapes whose fat bounds overlap; see `kickdrift.world.contacts.layout`
 CONTACT = Table(12, 8, whole=True)
 MANIFOLD = Table(13, 72)
-LOST_POINT = Table(107, 16)  # in this step: see `kickdrift.world.collision.warm_starting`
+LOST_POINT = Table(107, 16)  # in this step: see `kickdrift.world.collision.impulse_matching`
 SETTINGS = Table(14, 33)  # one row: see `kickdrift.world.settings`
 STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step.status`
 EVENTS = Table(16, 8, whole=True)
@@ -61,7 +61,7 @@ GROUPS = Table(21, 24, whole=True)  # contents of these groups: see there
 SCRATCH = Table(22, 1)
 TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.bvh`
 STATIC_TREE = Table(24, 8)  # over those of shapes that may not
-SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.dispatch`
+SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.shape_properties`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
 # Trees of joints: see `kickdrift.world.joints.layout`
 ARTICULATION = Table(26, 8, whole=True)
@@ -81,16 +81,16 @@ ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
 COLOURED = Table(31, 1, whole=True)  # for each body the set of colours of its contacts
 KERNEL_ADDRESSES = Table(34, 10, whole=True)  # one row: see `kickdrift.world.contacts.layout`
-IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impact_points`
+IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impact_rows`
 BOUNCING = Table(60, 2, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step
 STARTED_MOTION = Table(33, MOTION.width)
 STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.step.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
-STARTED_IMPULSE = Table(29, 12)  # of contacts: see `kickdrift.world.contacts.batching`
+STARTED_IMPULSE = Table(29, 12)  # of contacts: see `kickdrift.world.contacts.batch_division`
 PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
 SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_path`
-SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.search_state`
+SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.broad_phase_state`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes
@@ -100,14 +100,14 @@ EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted:
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users have excluded; the others are joined
 FORCE_NUMBERS = Table(62, 1)  # numbers captured by users' forces: see `kickdrift.world.force_functions`
 
-# The substeps: see `kickdrift.world.batch`
+# The substeps: see `kickdrift.world.batch_view`
 MEMBER = Table(63, 1, whole=True)  # bodies that a substep moves, one batch after the other
 BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.cloth.layout`
 CLOTH, CLOTH_NUMBERS = Table(66, 24, whole=True), Table(67, 32)
-PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.cloth.particle_lanes`
+PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.cloth.particle_fields`
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth
 FACE_NUMBERS = Table(71, 8)
@@ -123,7 +123,10 @@ CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.wo
 NORMAL_TREE = Table(95, 8)  # likewise, over their normals
 CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 4, whole=True), Table(103, 2, whole=True)  # nodes
 FACE_BOUNDS, FACE_NORMALS, FACE_STARS = Table(90, 8), Table(91, 8), Table(108, 3, whole=True)
-ZONE, ZONE_NUMBERS = Table(92, 4, whole=True), Table(93, 16)  # of each particle: see `kickdrift.world.cloth.zones`
+ZONE, ZONE_NUMBERS = (
+    Table(92, 4, whole=True),
+    Table(93, 16),
+)  # of each particle: see `kickdrift.world.cloth.impact_zones`
 CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)
 FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 29, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.threads import launch
 from kickdrift.world import settings
-from kickdrift.world.arguments import choice, direction, number, vector
-from kickdrift.world.batch import BATCH_COLOURS
+from kickdrift.world.argument_checks import choice, direction, number, vector
+from kickdrift.world.batch_view import BATCH_COLOURS
 from kickdrift.world.bodies.adding_shapes import AddsShapes
 from kickdrift.world.bodies.adding_surfaces import AddsSurfaces
 from kickdrift.world.bodies.registry import Bodies
@@ -30,8 +30,8 @@ from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.queries import SpatialQueries
-from kickdrift.world.recordings.history import KeepsHistory
-from kickdrift.world.recordings.recorder import Recorder
+from kickdrift.world.recordings.recording_api import KeepsHistory
+from kickdrift.world.recordings.recording_rows import Recorder
 from kickdrift.world.snapshot import Snapshot
 from kickdrift.world.step.stage_order import Program
 from kickdrift.world.step.stepping import DoesSteps

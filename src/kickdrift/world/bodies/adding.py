@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.arguments import choice, number, unit_quaternion, vector
-from kickdrift.world.atomic import undivided
+from kickdrift.world.argument_checks import choice, number, unit_quaternion, vector
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.mass_properties import mass_properties_of
 from kickdrift.world.bodies.part import Part, surface_of
@@ -25,6 +24,7 @@ from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.tables import MOTION, RESTED, Tables
+from kickdrift.world.world_lock import undivided
 
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 

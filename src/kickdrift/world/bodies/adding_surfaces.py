@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.rotations import turn_to
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.arguments import direction
+from kickdrift.world.argument_checks import direction
 from kickdrift.world.bodies.adding import AddsBodies
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.shapes.heightfield import HeightField

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.world.arguments import choice, number, unit_quaternion, vector
+from kickdrift.world.argument_checks import choice, number, unit_quaternion, vector
 from kickdrift.world.handle import Handle
 from kickdrift.world.tables import MOTION, POSE
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import number, vector
+from kickdrift.world.argument_checks import number, vector
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed
 from kickdrift.world.shapes.record import SOLID
+from kickdrift.world.shapes.shape_kinds import kind_of
 
 
 def mass_properties_of(

@@ -9,10 +9,10 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import number, unit_quaternion, vector
+from kickdrift.world.argument_checks import number, unit_quaternion, vector
 from kickdrift.world.bodies.shape_rows import Surface
-from kickdrift.world.shapes.catalogue import kind_of
 from kickdrift.world.shapes.record import Shape
+from kickdrift.world.shapes.shape_kinds import kind_of
 
 
 class Part:

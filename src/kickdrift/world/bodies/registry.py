@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import ShapeRows
-from kickdrift.world.collision.search_state import shapes_changed
-from kickdrift.world.contacts.impulse_scaling import scale_impulses
+from kickdrift.world.collision.broad_phase_state import shapes_changed
+from kickdrift.world.contacts.warm_start_scaling import scale_impulses
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
     AWAKE,
@@ -66,6 +65,7 @@ from kickdrift.world.tables import (
     Table,
     Tables,
 )
+from kickdrift.world.world_lock import alone, undivided
 
 Floats = NDArray[np.float64]
 GROUND = 0

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from kickdrift.core.arguments import real, reals
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import choice
-from kickdrift.world.collision import PAIRS
-from kickdrift.world.collision.dispatch import describe_kinds, find_extents
+from kickdrift.world.argument_checks import choice
+from kickdrift.world.collision.broad_phase_state import NEW, shapes_changed
 from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.collision.search_state import NEW, shapes_changed
+from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.collision.shape_properties import describe_kinds, find_extents
 from kickdrift.world.layout import (
     BEGIN,
     BODY_ROW,
@@ -27,8 +27,8 @@ from kickdrift.world.layout import (
     SHAPE_KIND,
     SURFACE_VELOCITY,
 )
-from kickdrift.world.shapes.catalogue import may_touch, met_as
 from kickdrift.world.shapes.record import Shape
+from kickdrift.world.shapes.shape_kinds import may_touch, met_as
 from kickdrift.world.tables import BOUNDS, COLLIDERS, GEOMETRY, PLACE, PLACED, SHAPE, Tables
 
 Floats = NDArray[np.float64]

@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.arguments import direction, unit_quaternion, vector
-from kickdrift.world.cloth.adding_any import AddsDeformables
+from kickdrift.world.argument_checks import direction, unit_quaternion, vector
+from kickdrift.world.cloth.adding_deformables import AddsDeformables
 from kickdrift.world.cloth.building import built_cloth
 from kickdrift.world.cloth.fabric import Fabric
 from kickdrift.world.cloth.handle import Cloth

@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.cloth.adding_any import AddsDeformables
+from kickdrift.world.cloth.adding_deformables import AddsDeformables
 from kickdrift.world.cloth.building import built_rope
 from kickdrift.world.cloth.material import material_of
 from kickdrift.world.cloth.rope import Rope

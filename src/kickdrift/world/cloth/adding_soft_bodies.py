@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
-from kickdrift.world.arguments import unit_quaternion, vector
-from kickdrift.world.cloth.adding_any import AddsDeformables
+from kickdrift.world.argument_checks import unit_quaternion, vector
+from kickdrift.world.cloth.adding_deformables import AddsDeformables
 from kickdrift.world.cloth.building import built_soft_body
 from kickdrift.world.cloth.material import material_of
 from kickdrift.world.cloth.mesh import MOST_VERTICES

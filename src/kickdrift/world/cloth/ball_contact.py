@@ -10,7 +10,7 @@ from kickdrift.world.collision.narrow_phase import collide
 from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT
 from kickdrift.world.layout import BEGIN, SHAPE_KIND, SIZE
-from kickdrift.world.shapes.kinds import SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import SPHERE, TRIANGLE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import COLLIDERS, GEOMETRY, MANIFOLD, SHAPE, flat, integers
 

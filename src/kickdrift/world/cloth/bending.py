@@ -38,7 +38,7 @@ from kickdrift.world.cloth.layout import (
     PULLS,
     STENCIL,
 )
-from kickdrift.world.cloth.particle_lanes import add_force, field_size
+from kickdrift.world.cloth.particle_fields import add_force, field_size
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.tables import (

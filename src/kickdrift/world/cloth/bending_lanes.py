@@ -8,8 +8,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from kickdrift.world.cloth.lanes import VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
 from kickdrift.world.cloth.layout import CURVES, FORCES, LANE_FIELDS, PLACES
+from kickdrift.world.cloth.vector_lanes import VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
 from kickdrift.world.contacts.layout import WIDTH
 
 Place = Callable[[int], Any]  # of the numbers of eight particles in a field

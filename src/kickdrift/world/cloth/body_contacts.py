@@ -10,7 +10,6 @@ from kickdrift.core.vectors import dot, length, minus, turned
 from kickdrift.world.cloth.ball_contact import touch_of_ball
 from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, largest_speed, moves_body, note_contact, start_pose
 from kickdrift.world.cloth.face_contacts import find_faces
-from kickdrift.world.cloth.held_corners import holds_off
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     DIMENSION,
@@ -27,10 +26,11 @@ from kickdrift.world.cloth.layout import (
     ROPE,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.cloth.pinned_corners import holds_off
 from kickdrift.world.cloth.segment_contacts import find_segments
 from kickdrift.world.collision.bvh import Box
-from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.overlap_query import find_near, find_triangles
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, MASK, RADIUS

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.fabric import Fabric
+from kickdrift.world.cloth.highest_frequency import elastic_rate
 from kickdrift.world.cloth.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import ClothMesh, flattened, masses_of
 from kickdrift.world.cloth.rope_material import RopeMaterial
 from kickdrift.world.cloth.rope_mesh import lengths_of, rope_masses, stretch_rate
 from kickdrift.world.cloth.soft_material import SoftMaterial, lame
 from kickdrift.world.cloth.tetrahedra import TetrahedralMesh
-from kickdrift.world.cloth.vibration import elastic_rate
-from kickdrift.world.shapes.kinds import CAPSULE, SPHERE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import CAPSULE, SPHERE, TRIANGLE
 from kickdrift.world.tables import CLOTH_NUMBERS, FACE_NUMBERS, TETRAHEDRON_NUMBERS
 
 Floats = NDArray[np.float64]

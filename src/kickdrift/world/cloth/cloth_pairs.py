@@ -35,7 +35,7 @@ from kickdrift.world.cloth.layout import (
     VALID,
 )
 from kickdrift.world.cloth.swept_bounds import find_strays, has_strayed, set_frame, start_search, sweep
-from kickdrift.world.cloth.tangles import CROSSING, tangle
+from kickdrift.world.cloth.untangling import CROSSING, tangle
 from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
 from kickdrift.world.tables import (
     CLOTH,

@@ -1,4 +1,4 @@
-"""Contacts of eight particles with shapes that they do not move, at once; see `kickdrift.world.cloth.contact_impulses`."""
+"""Contacts of eight particles with shapes that they do not move, at once; see `kickdrift.world.cloth.contact_solver`."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,7 +7,6 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from kickdrift.world.cloth.lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, plus, same, vector_pointer
 from kickdrift.world.cloth.layout import (
     CLOTH_NORMAL,
     CLOTH_OFFSET,
@@ -16,8 +15,9 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_VELOCITY,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.cloth.vector_lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, plus, same, vector_pointer
+from kickdrift.world.contacts.lane_transpose import transposed
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.contacts.transpose import transposed
 from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, PARTICLE
 
 _TINY = 1e-300

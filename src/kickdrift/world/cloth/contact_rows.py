@@ -17,7 +17,6 @@ from kickdrift.core.vectors import (
     times,
     turned,
 )
-from kickdrift.world.cloth.held_corners import Corners, pin_of
 from kickdrift.world.cloth.layout import (
     CLOTH_FRICTION,
     CLOTH_NORMAL,
@@ -38,8 +37,9 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
-from kickdrift.world.collision.dispatch import core_of
+from kickdrift.world.cloth.pinned_corners import Corners, pin_of
 from kickdrift.world.collision.shape_poses import pose_on_body
+from kickdrift.world.collision.shape_properties import core_of
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -57,7 +57,7 @@ from kickdrift.world.layout import (
     VELOCITY,
 )
 from kickdrift.world.settings import SLEEP_SPEED
-from kickdrift.world.shapes.kinds import CAPSULE
+from kickdrift.world.shapes.kind_numbers import CAPSULE
 from kickdrift.world.shapes.record import CENTRE, NO_CORE
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (

@@ -9,12 +9,12 @@ cloth animation, SIGGRAPH 2002, section 7.3).
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, plus, times
+from kickdrift.world.cloth.impact_zones import begin_zones, join_zone, move_zones
 from kickdrift.world.cloth.layout import PAIR_APART, PAIR_KIND, PAIR_SEEN, PARTICLE_VELOCITY, TRAVELLED
 from kickdrift.world.cloth.pair_impulses import add, is_free, mobility, particles_of
 from kickdrift.world.cloth.proximity import Ways, Weights, closing, less_mean, mix, mixed, nearest
 from kickdrift.world.cloth.swept_bounds import travels
-from kickdrift.world.cloth.tangles import CROSSING
-from kickdrift.world.cloth.zones import begin_zones, join_zone, move_zones
+from kickdrift.world.cloth.untangling import CROSSING
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH_PAIR,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.world.arguments import number
+from kickdrift.world.argument_checks import number
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.cloth.layout import PARTICLE_MASS, PARTICLE_VELOCITY
 from kickdrift.world.handle import Handle

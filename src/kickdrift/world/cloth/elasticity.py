@@ -30,7 +30,7 @@ from kickdrift.world.cloth.layout import (
     TETRAHEDRON_CORNERS,
     TO_REST_CELL,
 )
-from kickdrift.world.cloth.particle_lanes import field_size
+from kickdrift.world.cloth.particle_fields import field_size
 from kickdrift.world.cloth.soft_material import lame
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (

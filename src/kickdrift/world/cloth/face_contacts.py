@@ -20,7 +20,6 @@ from kickdrift.world.cloth.contact_rows import (
     start_pose,
     velocity_at,
 )
-from kickdrift.world.cloth.held_corners import Corners, holds_off, is_pinned_to
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     CORNERS,
@@ -29,13 +28,14 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
 )
+from kickdrift.world.cloth.pinned_corners import Corners, holds_off, is_pinned_to
 from kickdrift.world.cloth.proximity import barycentric
-from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide, radius
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
 from kickdrift.world.layout import BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE
-from kickdrift.world.shapes.kinds import CYLINDER, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import CYLINDER, TRIANGLE
 from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, put_facing
 from kickdrift.world.tables import (

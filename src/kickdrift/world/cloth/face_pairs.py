@@ -24,10 +24,10 @@ from kickdrift.world.cloth.layout import (
     SKIN,
     TRAVELLED,
 )
+from kickdrift.world.cloth.pair_culling import are_apart, nearing
 from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
-from kickdrift.world.cloth.separation import are_apart, nearing
 from kickdrift.world.cloth.swept_bounds import predicted
-from kickdrift.world.cloth.tangles import note_crossing
+from kickdrift.world.cloth.untangling import note_crossing
 from kickdrift.world.columns import vector_at
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import direction, number, vector
+from kickdrift.world.argument_checks import direction, number, vector
 from kickdrift.world.cloth.deformable import Deformable
 
 Floats = NDArray[np.float64]

@@ -155,7 +155,7 @@ IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven are of different 
 # The other end of a segment that touches, the other corners of a triangle; otherwise the particle itself
 OTHER_PARTICLE = column(CLOTH_CONTACT)
 THIRD_PARTICLE = column(CLOTH_CONTACT)
-HELD_BY = column(CLOTH_CONTACT, 3)  # the pins of the corners to bodies: see `kickdrift.world.cloth.held_corners`
+HELD_BY = column(CLOTH_CONTACT, 3)  # the pins of the corners to bodies: see `kickdrift.world.cloth.pinned_corners`
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle

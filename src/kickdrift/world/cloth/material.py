@@ -5,7 +5,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import number
+from kickdrift.world.argument_checks import number
 
 Material = TypeVar("Material")
 

@@ -31,7 +31,7 @@ from kickdrift.world.cloth.layout import (
     TO_REST,
 )
 from kickdrift.world.cloth.membrane_lanes import add_membrane_of_any, add_membrane_of_rows
-from kickdrift.world.cloth.particle_lanes import field_size
+from kickdrift.world.cloth.particle_fields import field_size
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH,

@@ -10,8 +10,19 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from kickdrift.world.cloth.lanes import NUMBER, VECTOR, WORD, Lanes, begin_of, dot, loaded, plus, same, vector_pointer
 from kickdrift.world.cloth.layout import ADDED_TO, GROUP_CORNERS, PLACES
+from kickdrift.world.cloth.vector_lanes import (
+    NUMBER,
+    VECTOR,
+    WORD,
+    Lanes,
+    begin_of,
+    dot,
+    loaded,
+    plus,
+    same,
+    vector_pointer,
+)
 from kickdrift.world.contacts.layout import WIDTH
 
 Load = Callable[[int], Lanes]

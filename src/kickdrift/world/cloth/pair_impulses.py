@@ -25,7 +25,7 @@ from kickdrift.world.cloth.layout import (
 )
 from kickdrift.world.cloth.proximity import EDGE_EDGE, Corners, Weights, mixed, nearest
 from kickdrift.world.cloth.swept_bounds import travels
-from kickdrift.world.cloth.tangles import CROSSING, untangle
+from kickdrift.world.cloth.untangling import CROSSING, untangle
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH_PAIR,

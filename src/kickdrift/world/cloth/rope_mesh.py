@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.cloth.couplings import Bending
+from kickdrift.world.cloth.highest_frequency import highest
 from kickdrift.world.cloth.mesh import NONE, ClothMesh, vertices_of
-from kickdrift.world.cloth.vibration import highest
 
 Floats = NDArray[np.float64]
 

@@ -31,13 +31,13 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
 )
-from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide
 from kickdrift.world.collision.overlap_query import find_triangles
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
 from kickdrift.world.layout import BEGIN, RADIUS, SHAPE_KIND, SIZE
-from kickdrift.world.shapes.kinds import CAPSULE, TRIANGLE
+from kickdrift.world.shapes.kind_numbers import CAPSULE, TRIANGLE
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (

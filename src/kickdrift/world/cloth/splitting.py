@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.cloth.coupling_tables import put_couplings
+from kickdrift.world.cloth.coupling_rows import put_couplings
+from kickdrift.world.cloth.highest_frequency import put_membrane_rate
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, masses_of
 from kickdrift.world.cloth.mesh_tables import mesh_in, put_triangles
 from kickdrift.world.cloth.pin_rows import copy_pins
-from kickdrift.world.cloth.ranges import replace_rows, rows_of
-from kickdrift.world.cloth.vibration import put_membrane_rate
+from kickdrift.world.cloth.row_ranges import replace_rows, rows_of
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,

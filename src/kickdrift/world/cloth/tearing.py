@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.mesh_tables import mesh_in
-from kickdrift.world.cloth.ranges import rows_of
+from kickdrift.world.cloth.row_ranges import rows_of
 from kickdrift.world.cloth.splitting import Split, split_at
 from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, Tables
 

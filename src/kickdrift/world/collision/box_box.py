@@ -22,7 +22,7 @@ from kickdrift.world.collision.box_polyhedron import (
     put_face,
 )
 from kickdrift.world.collision.clipping import CORNER, clip
-from kickdrift.world.collision.face_preference import PARALLEL, SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.collision.face_bias import PARALLEL, SHARE_OFF, SLACK, tolerance_of
 from kickdrift.world.collision.manifold_reduction import CANDIDATE, choose, put_candidates, put_manifold
 from kickdrift.world.collision.polyhedra_edges import EDGE, put_closest, put_edges, put_row
 from kickdrift.world.collision.shape_frames import set_at_rest, set_frame

@@ -1,11 +1,7 @@
 """The broad phase: shapes whose fat bounds overlap form contacts, updated when a shape leaves its fat bounds."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.bvh_update import update_trees
-from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.new_pairs import FIRST_SHAPE, PAIR, PART, SECOND_SHAPE, overlap, seek
-from kickdrift.world.collision.pair_hash import clear, insert, key_of, slots_for
-from kickdrift.world.collision.search_state import (
+from kickdrift.world.collision.broad_phase_state import (
     AT_HOME,
     CONTACTS,
     FOUND,
@@ -16,6 +12,10 @@ from kickdrift.world.collision.search_state import (
     SHAPES_AT,
     SLOTS,
 )
+from kickdrift.world.collision.bvh_update import update_trees
+from kickdrift.world.collision.filters import may_touch
+from kickdrift.world.collision.pair_hash import clear, insert, key_of, slots_for
+from kickdrift.world.collision.pair_search import FIRST_SHAPE, PAIR, PART, SECOND_SHAPE, overlap, seek
 from kickdrift.world.collision.shape_lists import update_bounds
 from kickdrift.world.contacts.layout import (
     BODY_A,

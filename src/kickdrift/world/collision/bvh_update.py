@@ -2,9 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import shaped
-from kickdrift.world.collision.bvh import NODES_PER_ITEM, SEED, SEED_ITEM, build, fit
-from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.search_state import (
+from kickdrift.world.collision.broad_phase_state import (
     CHANGED,
     FITTED,
     LEFT,
@@ -14,7 +12,9 @@ from kickdrift.world.collision.search_state import (
     STATIC_CHANGED,
     UNSEEN,
 )
+from kickdrift.world.collision.bvh import NODES_PER_ITEM, SEED, SEED_ITEM, build, fit
 from kickdrift.world.collision.shape_lists import enlist
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, LOWER, SHAPE_KIND, SIZE, UPPER
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import triangle_box, triangles_of

@@ -5,7 +5,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned_back
-from kickdrift.world.collision.lying_capsules import (
+from kickdrift.world.collision.capsule_manifold import (
     ASTRAY,
     CROSSED,
     FLAT,

@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, times, turned, turned_back
-from kickdrift.world.collision.lying_capsules import ASTRAY, beside, direction, ends, part
+from kickdrift.world.collision.capsule_manifold import ASTRAY, beside, direction, ends, part
 from kickdrift.world.collision.manifold_points import place, put_normal, put_point, turn
 from kickdrift.world.shapes.closest_points import along, clamped, segments
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.search_state import filters_changed
+from kickdrift.world.collision.broad_phase_state import filters_changed
 from kickdrift.world.columns import column
 from kickdrift.world.contacts.layout import CONTACT_STATE, POINTS, SENSOR
 from kickdrift.world.joints import layout

@@ -12,10 +12,10 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
+from kickdrift.world.collision.capsule_manifold import FLAT, STEEP
 from kickdrift.world.collision.clipping import CORNER, LABEL, clip
-from kickdrift.world.collision.face_preference import SLACK
+from kickdrift.world.collision.face_bias import SLACK
 from kickdrift.world.collision.frustum_round import FLAT_ON, along_frustum, lowest_direction
-from kickdrift.world.collision.lying_capsules import FLAT, STEEP
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.manifold_reduction import CANDIDATE, FEATURES, SEPARATION, choose, put_candidate
 from kickdrift.world.collision.polyhedra_faces import incident_face

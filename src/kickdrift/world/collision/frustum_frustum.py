@@ -9,8 +9,8 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, dot, length, times
-from kickdrift.world.collision.deep_overlap import DEEP, is_off, overlap_of_frusta, put_overlap
-from kickdrift.world.collision.face_preference import SHARE_OFF, tolerance_of
+from kickdrift.world.collision.epa import DEEP, is_off, overlap_of_frusta, put_overlap
+from kickdrift.world.collision.face_bias import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
 from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
 from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction

@@ -13,8 +13,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
-from kickdrift.world.collision.deep_overlap import DEEP, is_off, overlap_of_polyhedron, put_overlap
-from kickdrift.world.collision.face_preference import SHARE_OFF, tolerance_of
+from kickdrift.world.collision.epa import DEEP, is_off, overlap_of_polyhedron, put_overlap
+from kickdrift.world.collision.face_bias import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.frustum_faces import lie_on_face, stand_on_end, touch_edge
 from kickdrift.world.collision.polyhedra_faces import PLACED, lowest, place_polyhedron
 from kickdrift.world.collision.shape_frames import set_frame_back

@@ -10,10 +10,9 @@ in the shortest parts causes a warning.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
+from kickdrift.world.collision.broad_phase_state import TRIES
 from kickdrift.world.collision.bvh import Box, gather
-from kickdrift.world.collision.dispatch import half_width, sort_of
 from kickdrift.world.collision.filters import may_touch
-from kickdrift.world.collision.path_deviation import deviation, points_are_stale
 from kickdrift.world.collision.predicted_path import (
     POSITION_ERROR,
     TURN,
@@ -23,8 +22,9 @@ from kickdrift.world.collision.predicted_path import (
     path_error,
     turn_error,
 )
-from kickdrift.world.collision.search_state import TRIES
-from kickdrift.world.collision.swept_boxes import may_meet, swept_box, thinner
+from kickdrift.world.collision.shape_properties import half_width, sort_of
+from kickdrift.world.collision.stale_points import deviation, points_are_stale
+from kickdrift.world.collision.swept_overlap import may_meet, swept_box, thinner
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,

@@ -9,9 +9,9 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to
-from kickdrift.world.collision.dispatch import core_of, sort_of
+from kickdrift.world.collision.impulse_matching import OLD_SIZE, keep_points, lose_points, take_over_impulses
 from kickdrift.world.collision.shape_poses import shape_pose
-from kickdrift.world.collision.warm_starting import OLD_SIZE, keep_points, lose_points, take_over_impulses
+from kickdrift.world.collision.shape_properties import core_of, sort_of
 from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
@@ -28,7 +28,7 @@ from kickdrift.world.contacts.layout import (
     WIDTH_OF_FACE,
 )
 from kickdrift.world.layout import BEGIN, LAST_LOST, PLACED_ORIENTATION, PLACED_POSITION, RADIUS, SHAPE_KIND, SIZE
-from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.kind_numbers import TRIANGLE
 from kickdrift.world.shapes.record import CENTRE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
 from kickdrift.world.tables import (

@@ -9,12 +9,12 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
 from kickdrift.world.collision.aabb import box_in_frame, reaches_under
 from kickdrift.world.collision.bvh import Box, gather
-from kickdrift.world.collision.dispatch import sort_of
 from kickdrift.world.collision.narrow_phase import collide
 from kickdrift.world.collision.shape_poses import shape_pose
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import point_at
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SHAPE_KIND, SIZE
-from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.kind_numbers import TRIANGLE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of, put_facing
 from kickdrift.world.tables import (

@@ -1,8 +1,8 @@
 """Hash table of the current contacts by their shapes, at the start of SCRATCH."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.search_state import SLOTS
+from kickdrift.world.collision.broad_phase_state import SLOTS
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.layout import FIRST_TREE_NODE
 from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.tables import BOUNDS, SCRATCH, SEARCH, SHAPE, floats, integers, rows

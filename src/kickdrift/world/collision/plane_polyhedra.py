@@ -6,12 +6,12 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector
 from kickdrift.world.collision.box_polyhedron import UNIT_BOX, corner_of, facing
-from kickdrift.world.collision.face_preference import tolerance_of
+from kickdrift.world.collision.face_bias import tolerance_of
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.manifold_reduction import CANDIDATE, choose, put_candidate, put_manifold
 from kickdrift.world.collision.polyhedra_faces import CANDIDATES, PLACED, incident_face, place_polyhedron
+from kickdrift.world.collision.rocking_vertex import add_to_chosen, vertex_beside
 from kickdrift.world.collision.shape_frames import set_frame
-from kickdrift.world.collision.vertex_beside import add_to_chosen, vertex_beside
 from kickdrift.world.shapes.polyhedron import THICKNESS, loop, loop_vertex, pointer_to, vertex
 
 _UP: Vector = (0.0, 0.0, 1.0)

@@ -9,7 +9,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, times
 from kickdrift.world.collision.box_polyhedron import SIZE_OF_BOX, set_box
-from kickdrift.world.collision.face_preference import SHARE_OFF, SLACK, tolerance_of
+from kickdrift.world.collision.face_bias import SHARE_OFF, SLACK, tolerance_of
 from kickdrift.world.collision.manifold_reduction import CANDIDATE, choose, put_candidate, put_manifold
 from kickdrift.world.collision.polyhedra_edges import (
     EDGE,
@@ -27,8 +27,8 @@ from kickdrift.world.collision.polyhedra_faces import (
     place_polyhedron,
     separation_of_faces,
 )
+from kickdrift.world.collision.rocking_vertex import add_to_chosen, vertex_beside
 from kickdrift.world.collision.shape_frames import set_frame
-from kickdrift.world.collision.vertex_beside import add_to_chosen, vertex_beside
 from kickdrift.world.shapes.polyhedron import MOST_EDGES, MOST_VERTICES, PUSHING, THICKNESS, plane, pointer_to, vertex
 
 _EDGES = EDGE * MOST_EDGES

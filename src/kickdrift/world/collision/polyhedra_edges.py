@@ -10,7 +10,7 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
-from kickdrift.world.collision.face_preference import PARALLEL
+from kickdrift.world.collision.face_bias import PARALLEL
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.manifold_reduction import crossing
 from kickdrift.world.collision.shape_frames import placed_back

@@ -14,20 +14,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import KickdriftError
-from kickdrift.world.collision import PAIRS
 from kickdrift.world.collision.bvh_update import update_for_queries
-from kickdrift.world.collision.dispatch import find_extents
 from kickdrift.world.collision.fat_aabb import find_strays
 from kickdrift.world.collision.narrow_phase import COLLIDE
 from kickdrift.world.collision.overlap_query import find_near, overlaps
+from kickdrift.world.collision.pair_dispatch import PAIRS
 from kickdrift.world.collision.query_arguments import layer_bits, one_vector, rays_of
 from kickdrift.world.collision.ray_cast import DISTANCE, HIT, NORMAL, SHAPE_HIT, cast, cast_many
+from kickdrift.world.collision.shape_properties import find_extents
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, SHAPE_KIND
 from kickdrift.world.shapes.box import Box
-from kickdrift.world.shapes.catalogue import KINDS, RAYS, met_as
-from kickdrift.world.shapes.kinds import BOX, SPHERE
+from kickdrift.world.shapes.kind_numbers import BOX, SPHERE
 from kickdrift.world.shapes.mass import rotation_matrix
 from kickdrift.world.shapes.record import RAY
+from kickdrift.world.shapes.shape_kinds import KINDS, RAYS, met_as
 from kickdrift.world.shapes.sphere import Sphere
 from kickdrift.world.step.status import FULL, take_request
 from kickdrift.world.tables import MOVERS, PLANES, POSE, SHAPE, TRIANGLE_TREE, Tables

@@ -9,12 +9,12 @@ from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, minus, turned, turned_back
-from kickdrift.world.collision.bvh_walk import NOTHING, WALK, advance, reciprocal, start
-from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.bvh_ray_cast import NOTHING, WALK, advance, reciprocal, start
 from kickdrift.world.collision.shape_poses import shape_pose
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import Fields
 from kickdrift.world.layout import BEGIN, BODY_ROW, FIRST_TREE_NODE, IS_SENSOR, LAST_TREE_NODE, LAYER, SHAPE_KIND, SIZE
-from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.kind_numbers import TRIANGLE
 from kickdrift.world.shapes.rays import MISS, Hit
 from kickdrift.world.shapes.record import RAY, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of

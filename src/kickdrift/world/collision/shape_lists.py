@@ -1,9 +1,7 @@
 """Lists of movable shapes, of immovable ones, of planes, and of shapes whose pairs are sought again."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.dispatch import sort_of
-from kickdrift.world.collision.fat_aabb import is_somewhere, may_move, settle
-from kickdrift.world.collision.search_state import (
+from kickdrift.world.collision.broad_phase_state import (
     AT_HOME,
     CHANGED,
     CONTACTS,
@@ -16,6 +14,8 @@ from kickdrift.world.collision.search_state import (
     STATIC_CHANGED,
     UNSEEN,
 )
+from kickdrift.world.collision.fat_aabb import is_somewhere, may_move, settle
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.layout import AWAKE, BODY_ROW, SEARCH_STATE, SHAPE_KIND, UPPER
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
 from kickdrift.world.step.status import ask_for_room, report_body

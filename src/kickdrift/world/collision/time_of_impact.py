@@ -24,11 +24,11 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
-from kickdrift.world.collision.dispatch import sort_of
+from kickdrift.world.collision.broad_phase_state import TRIES
 from kickdrift.world.collision.narrow_phase import find_manifold, radius, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, next_change, path, velocity_then
-from kickdrift.world.collision.search_state import TRIES
 from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
+from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.collision.triangle_round import beside_triangle
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (

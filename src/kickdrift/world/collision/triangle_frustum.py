@@ -7,7 +7,7 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import dot, length, minus, times
-from kickdrift.world.collision.face_preference import SHARE_OFF, tolerance_of
+from kickdrift.world.collision.face_bias import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.frustum_faces import lie_on_face, touch_edge
 from kickdrift.world.collision.polyhedra_faces import PLACED, lowest, place_polyhedron
 from kickdrift.world.collision.shape_frames import set_frame_back

@@ -1,10 +1,10 @@
 """Graph colouring of contacts, so that no two of a colour move the same body, and the groups of lanes of each colour."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.batch import BATCH_COLOURS, LANES_BEFORE
+from kickdrift.world.batch_view import BATCH_COLOURS, LANES_BEFORE
 from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.batching import OWN_BATCH
+from kickdrift.world.contacts.batch_division import OWN_BATCH
 from kickdrift.world.layout import AWAKE, BODY_KIND, INVERSE_LINEAR_MASS, LINK_PLACE, STATIC
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (

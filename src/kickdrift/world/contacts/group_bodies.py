@@ -4,8 +4,8 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.lane_transpose import fetch_rows, gather_rows, scatter_rows
 from kickdrift.world.contacts.prepare_simd import INERTIA_A, INERTIA_B, VELOCITY_A, VELOCITY_B
-from kickdrift.world.contacts.transpose import fetch_rows, gather_rows, scatter_rows
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, VELOCITY
 from kickdrift.world.tables import (
     DELTA_POSE,

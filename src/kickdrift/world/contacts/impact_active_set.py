@@ -16,9 +16,8 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied, dot
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.active_impacts import may_change, note_change
 from kickdrift.world.contacts.impact_motion import is_moved
-from kickdrift.world.contacts.impact_points import (
+from kickdrift.world.contacts.impact_rows import (
     BOUNCE,
     IMPACT_POINTS,
     IMPULSE,
@@ -33,6 +32,7 @@ from kickdrift.world.contacts.impact_points import (
     separating_speed,
     vector_in,
 )
+from kickdrift.world.contacts.impact_worklist import may_change, note_change
 from kickdrift.world.layout import GROUP, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, floats, integers, rows
 

@@ -1,8 +1,8 @@
 """Constraints from manifolds, in lanes: makes a group from the data of eight contacts.
 
-`raw` are the fields that `kickdrift.world.contacts.gather` gathers, `own` those of the group, `s` the scratch, whose fields are
-declared here too. `kickdrift.world.contacts.contact_solver_simd` explains how loops over lanes are written. Positions are
-relative to the centre of mass of the first body, where rounding errors are small.
+`raw` are the fields that `kickdrift.world.contacts.constraint_inputs` gathers, `own` those of the group, `s` the scratch, whose
+fields are declared here too. `kickdrift.world.contacts.contact_solver_simd` explains how loops over lanes are written.
+Positions are relative to the centre of mass of the first body, where rounding errors are small.
 """
 
 import math

@@ -12,7 +12,7 @@ Contacts of shapes so fast that they may pass each other within the step are inc
 of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
-`kickdrift.world.contacts.impact_points` and `kickdrift.world.contacts.simultaneous_impact` compute the other columns.
+`kickdrift.world.contacts.impact_rows` and `kickdrift.world.contacts.simultaneous_impact` compute the other columns.
 """
 
 import math
@@ -25,15 +25,15 @@ from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.active_impacts import BOUNCING_CONTACT, HITS_NOT, begin_rounds, is_quiet, note_hit
-from kickdrift.world.contacts.bounce_time import find_time, rests
+from kickdrift.world.contacts.arm_refresh import hide_from_sweeps
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.endless_impacts import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
-from kickdrift.world.contacts.impact_points import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
+from kickdrift.world.contacts.impact_rows import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
+from kickdrift.world.contacts.impact_time import find_time, rests
+from kickdrift.world.contacts.impact_worklist import BOUNCING_CONTACT, HITS_NOT, begin_rounds, is_quiet, note_hit
+from kickdrift.world.contacts.inelastic_collapse import bodies_of, join_touching, warn_of_impacts
+from kickdrift.world.contacts.resting_support import add_support, remove_support
 from kickdrift.world.contacts.simultaneous_impact import find_impulses
-from kickdrift.world.contacts.stale_arms import hide_from_sweeps
-from kickdrift.world.contacts.support import add_support, remove_support
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
@@ -179,7 +179,7 @@ def bounce(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _is_linked(world: int, row: int) -> bool:
-    """Whether a contact is solved directly, and bounces there: see `kickdrift.world.direct.restitution`."""
+    """Whether a contact is solved directly, and bounces there: see `kickdrift.world.direct.island_restitution`."""
     place: int = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
     linked: bool = place // c.WIDTH >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
     return linked

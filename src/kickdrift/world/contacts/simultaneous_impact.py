@@ -14,10 +14,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross, dot, minus, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.active_impacts import begin_sweeps, may_change, note_change
 from kickdrift.world.contacts.impact_active_set import solve_pressed
 from kickdrift.world.contacts.impact_motion import constraint
-from kickdrift.world.contacts.impact_points import (
+from kickdrift.world.contacts.impact_rows import (
     ARM_A,
     ARM_B,
     BOUNCE,
@@ -40,6 +39,7 @@ from kickdrift.world.contacts.impact_points import (
     separating_speed,
     vector_in,
 )
+from kickdrift.world.contacts.impact_worklist import begin_sweeps, may_change, note_change
 from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, VELOCITY
 from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, MOTION, floats, integers, rows
 

@@ -7,7 +7,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts.layout import SOLVE_EQUATIONS
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
-from kickdrift.world.direct.contacts import (
+from kickdrift.world.direct.contact_states import (
     BOUNCE,
     BOUNCE_FRICTION,
     PRESS,
@@ -16,13 +16,13 @@ from kickdrift.world.direct.contacts import (
     update_contact_states,
 )
 from kickdrift.world.direct.factorisation import factor
+from kickdrift.world.direct.island_velocities import inner_speed
 from kickdrift.world.direct.joint_impulses import give_joints
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
 from kickdrift.world.direct.line_search import search_line
 from kickdrift.world.direct.loop_closures import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
-from kickdrift.world.direct.velocities import inner_speed
 from kickdrift.world.joints.axis_laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
 from kickdrift.world.joints.right_hand_side import write_right_hand_side

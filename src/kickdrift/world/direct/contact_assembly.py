@@ -4,8 +4,9 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import plus_scaled, put_spatial, put_spatial_of, spatial_at, spatial_of
+from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
-from kickdrift.world.direct.contacts import twelve
+from kickdrift.world.direct.contact_states import twelve
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -22,7 +23,6 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WRENCH,
 )
-from kickdrift.world.direct.linked_contacts import contact_row
 from kickdrift.world.direct.matrix import add_row
 from kickdrift.world.joints.layout import CLOSING_IMPULSE
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, NODE, floats, integers

@@ -3,8 +3,10 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import inner, plus_scaled, put_spatial_of, spatial_at, spatial_of
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row
 from kickdrift.world.direct.contact_rows import bind, bind_points, bound_of, first_row, give_of, impulse_field
-from kickdrift.world.direct.contacts import BOUNCE, PRESS, REST, read_both, twelve
+from kickdrift.world.direct.contact_states import BOUNCE, PRESS, REST, read_both, twelve
+from kickdrift.world.direct.contact_wrenches import along, write_wrench
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -25,9 +27,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
-from kickdrift.world.direct.linked_contacts import bodies_of, constraint, contact_row
-from kickdrift.world.direct.wrenches import along, write_wrench
-from kickdrift.world.joints.impulses import push_body
+from kickdrift.world.joints.joint_warm_start import push_body
 from kickdrift.world.joints.layout import GAIN
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, floats, integers
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct.contact_wrenches import along, mobility, write_wrench
 from kickdrift.world.direct.layout import (
     ACCEPTED,
     ACTIVE,
@@ -38,7 +39,6 @@ from kickdrift.world.direct.layout import (
     WEIGHT,
     WRENCH,
 )
-from kickdrift.world.direct.wrenches import along, mobility, write_wrench
 
 _W = c.WIDTH
 

@@ -12,9 +12,9 @@ change in length, h/2 sum m g . v jumps, and the loss leaves these jumps out.
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
 from kickdrift.world.columns import vector_at
+from kickdrift.world.direct.direct_bodies import body_of, mass_of
+from kickdrift.world.direct.island_velocities import energy_of
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
-from kickdrift.world.direct.node_selection import body_of, mass_of
-from kickdrift.world.direct.velocities import energy_of
 from kickdrift.world.joints.layout import (
     BODY_A,
     ENERGY_AT_FIRST,

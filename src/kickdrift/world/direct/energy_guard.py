@@ -1,14 +1,14 @@
 """Solutions that are rejected for their energy: before the drift, after it, and of an impact.
 
-The bounds of the energy that an island receives from outside are those of `kickdrift.world.direct.external_energy`.
+The bounds of the energy that an island receives from outside are those of `kickdrift.world.direct.energy_bounds`.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.external_energy import driving_speed, energy_from_outside, energy_received
+from kickdrift.world.direct.direct_bodies import mass_of
+from kickdrift.world.direct.energy_bounds import driving_speed, energy_from_outside, energy_received
+from kickdrift.world.direct.island_velocities import fastest, kinetic_energy
 from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HAS_JOINTS
-from kickdrift.world.direct.node_selection import mass_of
 from kickdrift.world.direct.substep_estimate import LONG_TURN
-from kickdrift.world.direct.velocities import fastest, kinetic_energy
 from kickdrift.world.joints.layout import ANGULAR_PART
 from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, integers
 

@@ -1,10 +1,10 @@
 """Gears in the equations of an island: closing joints of one row, with up to four wrenches."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.direct_bodies import node_of
 from kickdrift.world.direct.layout import LOWER_BLOCK, UPPER_BLOCK
 from kickdrift.world.direct.matrix import block_of
-from kickdrift.world.direct.node_selection import node_of
-from kickdrift.world.joints.gear_rows import geared_body
+from kickdrift.world.joints.gear_wrenches import geared_body
 from kickdrift.world.joints.layout import (
     AHEAD_WRENCHES,
     ARTICULATED_INERTIA,

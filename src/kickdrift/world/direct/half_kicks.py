@@ -15,7 +15,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.direct.contact_lookup import constraint
 from kickdrift.world.direct.contact_rows import impulse_field
+from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -27,8 +29,6 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     TOUCHES,
 )
-from kickdrift.world.direct.linked_contacts import constraint
-from kickdrift.world.direct.node_selection import body_of
 from kickdrift.world.joints.layout import (
     DRIVE_DAMPING,
     DRIVE_STIFFNESS,

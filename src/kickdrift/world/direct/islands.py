@@ -6,6 +6,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
 from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
+from kickdrift.world.direct.contact_lookup import linked_contacts
+from kickdrift.world.direct.direct_bodies import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -22,8 +24,6 @@ from kickdrift.world.direct.layout import (
     RATIO,
     TOUCHES,
 )
-from kickdrift.world.direct.linked_contacts import linked_contacts
-from kickdrift.world.direct.node_selection import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.direct.unconverged_heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.disjoint_sets import first_of, unite

@@ -3,11 +3,11 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.contacts import BOUNCE
+from kickdrift.world.direct.contact_states import BOUNCE
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
 from kickdrift.world.joints.axis_laws import end_laws
 from kickdrift.world.joints.geometric_stiffness import set_brakes
-from kickdrift.world.joints.impulses import note_speeds, push_bodies
+from kickdrift.world.joints.joint_warm_start import note_speeds, push_bodies
 from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import (
     ANGULAR_PART,

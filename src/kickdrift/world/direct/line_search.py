@@ -10,8 +10,11 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
-from kickdrift.world.direct.contacts import BOUNCE, PRESS
+from kickdrift.world.direct.contact_states import BOUNCE, PRESS
+from kickdrift.world.direct.direct_bodies import mass_of
+from kickdrift.world.direct.island_velocities import kinetic_energy
 from kickdrift.world.direct.layout import (
     ACCEPTED,
     ACTIVE,
@@ -31,9 +34,6 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WANTED,
 )
-from kickdrift.world.direct.linked_contacts import contact_row
-from kickdrift.world.direct.node_selection import mass_of
-from kickdrift.world.direct.velocities import kinetic_energy
 from kickdrift.world.joints.axis_laws import law_impulse
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,

@@ -3,6 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.direct_bodies import has_room, nodes_of_contact
 from kickdrift.world.direct.gear_assembly import geared_link
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
@@ -16,7 +17,6 @@ from kickdrift.world.direct.layout import (
     NEIGHBOURS,
     PARENT_NODE,
 )
-from kickdrift.world.direct.node_selection import has_room, nodes_of_contact
 from kickdrift.world.joints.layout import GEARED, LINEAR, LINK_A, LINK_B, LINK_JOINT, NODE_ROW, NONE, PARENT, ROOT
 from kickdrift.world.tables import (
     ADJACENCY,

@@ -3,9 +3,9 @@
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.direct_bodies import mass_of
+from kickdrift.world.direct.island_velocities import inner_speed, kinetic_energy
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
-from kickdrift.world.direct.node_selection import mass_of
-from kickdrift.world.direct.velocities import inner_speed, kinetic_energy
 from kickdrift.world.joints.layout import BODY_A, LINK_JOINT, LOCKED, YIELD
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import (

@@ -15,9 +15,9 @@ from kickdrift.world.collision.body_acceleration import acceleration, weight_per
 from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.batching import CROWD
+from kickdrift.world.contacts.batch_division import CROWD
 from kickdrift.world.contacts.residual import FAR_RESIDUAL, NOTED_RESIDUAL, TOUCHES
-from kickdrift.world.direct.node_selection import moves
+from kickdrift.world.direct.direct_bodies import moves
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints.layout import JOINED_ROWS
 from kickdrift.world.layout import (

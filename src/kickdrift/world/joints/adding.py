@@ -110,7 +110,7 @@ class AddsJoints:
             None is the ground.
         record : Record
             A kind of joint with its parameters: ``Ball``, ``Hinge``, ``Slider``, ``Fixed``, ``Universal``, ``SixDof``,
-            ``Distance``, ``Rope`` or ``Spring`` of ``kickdrift.world.joints.catalogue``. The parameters are those of
+            ``Distance``, ``Rope`` or ``Spring`` of ``kickdrift.world.joints.joint_kinds``. The parameters are those of
             `add_hinge` and the like after the bodies. For a gear use `add_gear`.
 
         Returns
@@ -126,7 +126,7 @@ class AddsJoints:
         Examples
         --------
         >>> import kickdrift as kd
-        >>> from kickdrift.world.joints.catalogue import Hinge
+        >>> from kickdrift.world.joints.joint_kinds import Hinge
         >>> world = kd.World()
         >>> door = world.add_box((1, 0.1, 2), position=(0.5, 0, 1), mass=20.0)
         >>> hinge = world.add_joint(None, door, Hinge(anchor=(0, 0, 1), axis=(0, 0, 1)))
@@ -135,7 +135,7 @@ class AddsJoints:
         """
         if not isinstance(record, Record):
             raise ArgumentError(
-                f"record={record!r} is not a kind of joint; give one of kickdrift.world.joints.catalogue."
+                f"record={record!r} is not a kind of joint; give one of kickdrift.world.joints.joint_kinds."
             )
         if isinstance(record, Gear):
             raise ArgumentError(f"record={record!r} couples joints, not bodies; use add_gear with its parameters.")

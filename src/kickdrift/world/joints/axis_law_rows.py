@@ -7,8 +7,8 @@ import numpy as np
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.axis import Drive, Motor
-from kickdrift.world.joints.effective_mass import effective_mass
+from kickdrift.world.joints.axis_options import Drive, Motor
+from kickdrift.world.joints.drive_effective_mass import effective_mass
 from kickdrift.world.tables import JOINT, JOINT_AXES, Tables
 
 LawPart = Literal["limits", "motor", "drive", "friction"]

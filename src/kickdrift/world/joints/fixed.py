@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kickdrift.world.arguments import vector
-from kickdrift.world.joints.axis import LOCKED
+from kickdrift.world.argument_checks import vector
+from kickdrift.world.joints.axis_options import LOCKED
 from kickdrift.world.joints.record import Placement, Record
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.axis import LOCKED, finite
+from kickdrift.world.joints.axis_options import LOCKED, finite
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.joint_positions import measure_again
 from kickdrift.world.joints.record import Geared, Placement, Record

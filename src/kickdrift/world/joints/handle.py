@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis import finite
+from kickdrift.world.joints.axis_options import finite
+from kickdrift.world.joints.handle_laws import HasLaws
 from kickdrift.world.joints.joint_positions import place, set_speed
-from kickdrift.world.joints.laws_of_handle import HasLaws
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
 from kickdrift.world.joints.views import JointViews, look_up
 from kickdrift.world.layout import AWAKE, LOAD_TORQUE, TIME_AT_REST

@@ -16,7 +16,7 @@ from kickdrift.core.rotations import turned as rotated
 from kickdrift.core.vectors import Vector, cross, exponential, minus, plus, product, turned, unit
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.axis import finite
+from kickdrift.world.joints.axis_options import finite
 from kickdrift.world.joints.kinematics import measure_joint
 from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, DYNAMIC, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import BODY, JOINT, JOINT_AXES, JOINT_NUMBERS, MOTION, POSE, Tables, floats

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import vector
-from kickdrift.world.joints.axis import FREE, Axis, is_number
+from kickdrift.world.argument_checks import vector
+from kickdrift.world.joints.axis_options import FREE, Axis, is_number
 from kickdrift.world.joints.record import Placement, frame_along
 
 

@@ -1,7 +1,7 @@
 """Preparation of joints before the substeps of a step."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.joints.impulses import note_speeds
+from kickdrift.world.joints.joint_warm_start import note_speeds
 from kickdrift.world.joints.layout import CLOSINGS, END, FIRST, LINK_BODY, LINK_JOINT, LINKS, TOTAL
 from kickdrift.world.layout import AWAKE
 from kickdrift.world.tables import ARTICULATION, BODY, JOINT_NUMBERS, LINK, floats, integers, rows

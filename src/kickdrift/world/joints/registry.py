@@ -9,21 +9,21 @@ from weakref import ReferenceType
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.atomic import alone, undivided
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.axis import Axis
 from kickdrift.world.joints.axis_law_rows import LawPart, check_changeable, read_law, write_law
+from kickdrift.world.joints.axis_options import Axis
 from kickdrift.world.joints.breaking import overloaded
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.joint_rows import write_joint
-from kickdrift.world.joints.mass_changes import follow_mass
-from kickdrift.world.joints.planar import within_plane
+from kickdrift.world.joints.mass_update import follow_mass
+from kickdrift.world.joints.planar_joints import within_plane
 from kickdrift.world.joints.record import Record
 from kickdrift.world.joints.spanning_tree import arrange
 from kickdrift.world.joints.views import wake_bodies
 from kickdrift.world.names import Names
 from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, STARTED_JOINTS, Tables
+from kickdrift.world.world_lock import alone, undivided
 
 
 class Joints:

@@ -19,7 +19,7 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.gear_rows import geared_body, put_wrenches, speed_of_gear
+from kickdrift.world.joints.gear_wrenches import geared_body, put_wrenches, speed_of_gear
 from kickdrift.world.joints.kinematics import axis_unit, put_cross, put_line, put_vector, relative_velocity
 from kickdrift.world.layout import BOUNDING_RADIUS
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, POSE, RESTED, floats, integers

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.arguments import vector
-from kickdrift.world.joints.axis import FREE, LOCKED, Axis, is_number
+from kickdrift.world.argument_checks import vector
+from kickdrift.world.joints.axis_options import FREE, LOCKED, Axis, is_number
 from kickdrift.world.joints.record import Axes, Placement, Record, frame_of
 
 

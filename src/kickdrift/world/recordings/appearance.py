@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, DIMENSION, FIRST_PARTICLE, ROPE
 from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.cloth.tube import tube
-from kickdrift.world.cloth.tuning import WORDS
+from kickdrift.world.cloth.rope_surface import tube
+from kickdrift.world.cloth.substep_choice import WORDS
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC
 from kickdrift.world.shapes.record import Shape

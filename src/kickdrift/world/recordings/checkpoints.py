@@ -11,8 +11,8 @@ from kickdrift.engine.checkpoints import Checkpoints
 from kickdrift.engine.grid import Grid, with_step
 from kickdrift.engine.identity import written
 from kickdrift.engine.zarr_store import ZarrStore
-from kickdrift.world.recordings.recorder import RecordingRows
 from kickdrift.world.recordings.recording import Recording
+from kickdrift.world.recordings.recording_rows import RecordingRows
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

@@ -13,7 +13,7 @@ from kickdrift.core.errors import KickdriftError, unknown_name
 from kickdrift.engine.solution import Solution
 from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recordings.appearance import Appearance, DrawnCloth
-from kickdrift.world.recordings.presenters import WorldPresenters
+from kickdrift.world.recordings.viewer_hooks import WorldPresenters
 
 Floats = NDArray[np.float64]
 

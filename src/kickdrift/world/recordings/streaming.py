@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.zarr_group import Array
 from kickdrift.engine.zarr_store import ZarrStore
-from kickdrift.world.recordings.recorder import RecordingRows
+from kickdrift.world.recordings.recording_rows import RecordingRows
 
 if TYPE_CHECKING:
     from kickdrift.world.world import World

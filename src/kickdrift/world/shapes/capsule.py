@@ -10,7 +10,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, length, minus, times, turned
 from kickdrift.world.shapes.closest_points import along, clamped
 from kickdrift.world.shapes.extents import Extent, symmetric
-from kickdrift.world.shapes.kinds import CAPSULE
+from kickdrift.world.shapes.kind_numbers import CAPSULE
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball, through_cylinder
 from kickdrift.world.shapes.record import CENTRE, GLOSSY, SOLID, Kind

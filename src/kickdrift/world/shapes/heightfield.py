@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.shapes.kinds import HEIGHT_FIELD
+from kickdrift.world.shapes.kind_numbers import HEIGHT_FIELD
 from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties, extent
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.record import SURFACE, Kind

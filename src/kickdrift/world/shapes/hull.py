@@ -16,7 +16,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Quaternion, Vector, dot
 from kickdrift.world.shapes.extents import Extent, around
-from kickdrift.world.shapes.kinds import HULL
+from kickdrift.world.shapes.kind_numbers import HULL
 from kickdrift.world.shapes.mass import Array, MassProperties, extent
 from kickdrift.world.shapes.polyhedron import FACES, HEADER, MOST_VERTICES, VERTICES, plane, polyhedron_numbers
 from kickdrift.world.shapes.rays import MISS, Hit, ahead

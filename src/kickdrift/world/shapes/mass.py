@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.arguments import real, reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import matrices
-from kickdrift.world.arguments import vector
+from kickdrift.world.argument_checks import vector
 
 Array = NDArray[np.float64]
 

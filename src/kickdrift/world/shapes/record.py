@@ -19,7 +19,7 @@ SURFACE = 1  # of triangles, each of which forms its own contacts
 HALF_SPACE = 2  # below the plane z = 0; without finite bounds
 TRIANGLE_OF_SURFACE = 3  # the part of a surface, not a shape of users
 
-# Cores, to which the contact points of round shapes are attached while they roll; see `kickdrift.world.contacts.shape_cores`
+# Cores, to which the contact points of round shapes are attached while they roll; see `kickdrift.world.contacts.rolling_cores`
 NO_CORE = 0  # points are fixed in the body
 CENTRE = 1  # a point or a segment, at a distance that is the first of the shape's numbers
 AXIS = 2  # the z axis of a solid of revolution
@@ -66,7 +66,7 @@ class Kind:
     Attributes
     ----------
     number : int
-        From `kickdrift.world.shapes.kinds`.
+        From `kickdrift.world.shapes.kind_numbers`.
     name : str
         In files and messages.
     sort : int

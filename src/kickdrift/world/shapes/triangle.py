@@ -6,7 +6,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus, times
 from kickdrift.world.columns import Fields
 from kickdrift.world.shapes.extents import Extent, around
-from kickdrift.world.shapes.kinds import TRIANGLE
+from kickdrift.world.shapes.kind_numbers import TRIANGLE
 from kickdrift.world.shapes.rays import MISS, Hit
 from kickdrift.world.shapes.record import TRIANGLE_OF_SURFACE, Kind
 

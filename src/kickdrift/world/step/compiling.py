@@ -4,15 +4,15 @@ from collections.abc import Iterable
 
 from kickdrift.core.parallel_compile import Job, compile_together, missing
 from kickdrift.engine.announcing import compiling_announced
-from kickdrift.world.collision import PAIRS
-from kickdrift.world.collision.dispatch import extents_of
 from kickdrift.world.collision.narrow_phase import COLLIDE
+from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.collision.shape_properties import extents_of
 from kickdrift.world.contacts.contact_solver_simd import KERNEL, KERNELS
 from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
-from kickdrift.world.direct.solve import solve_islands
-from kickdrift.world.shapes.catalogue import KINDS, RAYS
+from kickdrift.world.direct.island_solver import solve_islands
 from kickdrift.world.shapes.record import EXTENT, RAY
-from kickdrift.world.step.loop import STAGE
+from kickdrift.world.shapes.shape_kinds import KINDS, RAYS
+from kickdrift.world.step.stage_loop import STAGE
 from kickdrift.world.step.stage_order import Uses, Word, word
 
 

@@ -7,44 +7,44 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
+from kickdrift.world.cloth.aerodynamics import calm
 from kickdrift.world.cloth.body_contacts import find_cloth_contacts
-from kickdrift.world.cloth.motion import begin_cloths, move_cloths
+from kickdrift.world.cloth.cloth_step import begin_cloths, move_cloths
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
-from kickdrift.world.cloth.wind import calm
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
-from kickdrift.world.collision.fast_rotation import divide_fast_rotation
+from kickdrift.world.collision.impulse_matching import pass_on_impulses
 from kickdrift.world.collision.missed_contacts import drop_paths, find_missed
 from kickdrift.world.collision.narrow_phase import place_shapes
 from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
+from kickdrift.world.collision.rotation_limit import divide_fast_rotation
 from kickdrift.world.collision.time_of_impact import find_impacts
-from kickdrift.world.collision.warm_starting import pass_on_impulses
-from kickdrift.world.contacts.batching import find_batches
+from kickdrift.world.contacts.arm_refresh import refresh_hit
+from kickdrift.world.contacts.batch_division import find_batches
 from kickdrift.world.contacts.colouring import colour
 from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.restitution import bounce, find_bouncing
-from kickdrift.world.contacts.solver_stages import THREADED, relax, solve, store, warm_start
-from kickdrift.world.contacts.stale_arms import refresh_hit
-from kickdrift.world.direct.energy_warning import note_losses
-from kickdrift.world.direct.gauss_seidel import relax_in_turn, solve_in_turn
+from kickdrift.world.contacts.sequential_impulses import THREADED, relax, solve, store, warm_start
+from kickdrift.world.direct.direct_bodies import find_nodes
+from kickdrift.world.direct.energy_loss import note_losses
 from kickdrift.world.direct.half_kicks import complete_half_kicks, mark_half_kicks
+from kickdrift.world.direct.island_restitution import bounce_islands
+from kickdrift.world.direct.island_solver import measure_islands, solve_islands
 from kickdrift.world.direct.islands import find_islands
-from kickdrift.world.direct.node_selection import find_nodes
-from kickdrift.world.direct.relaxation import relax_islands
-from kickdrift.world.direct.restitution import bounce_islands
-from kickdrift.world.direct.solve import measure_islands, solve_islands
+from kickdrift.world.direct.joint_gauss_seidel import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
+from kickdrift.world.direct.velocity_projection import relax_islands
 from kickdrift.world.events import note_touching
 from kickdrift.world.force_functions import begin_forces, begin_later_forces
 from kickdrift.world.integration import complete_free_kicks, drift, find_lost, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
-from kickdrift.world.joints.impulses import warm_start_joints
+from kickdrift.world.joints.joint_warm_start import warm_start_joints
 from kickdrift.world.joints.kinematics import follow_joints, measure_joints
 from kickdrift.world.joints.prepare import begin_joints, wake_joints
 from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
-from kickdrift.world.step.loop import STAGE
 from kickdrift.world.step.rollback import begin
+from kickdrift.world.step.stage_loop import STAGE
 
 Stages = tuple[Function, ...]
 

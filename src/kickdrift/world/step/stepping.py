@@ -14,21 +14,21 @@ from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.cloth.wind_functions import WINDS
-from kickdrift.world.collision.search_state import TRIES
+from kickdrift.world.collision.broad_phase_state import TRIES
 from kickdrift.world.contacts import contact_solver_simd
-from kickdrift.world.contacts.batching import FEW
+from kickdrift.world.contacts.batch_division import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
 from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
-from kickdrift.world.direct.solve import solve_islands
+from kickdrift.world.direct.island_solver import solve_islands
 from kickdrift.world.force_functions import FORCES, Force, put_numbers
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.recordings.recorder import Recorder
+from kickdrift.world.recordings.recording_rows import Recorder
 from kickdrift.world.step import status as step_status
 from kickdrift.world.step.compiling import compile_step
-from kickdrift.world.step.loop import run
 from kickdrift.world.step.lost_bodies import find_lost_body, lost_body_error, lost_cloth_error
 from kickdrift.world.step.rollback import roll_back
+from kickdrift.world.step.stage_loop import run
 from kickdrift.world.step.stage_order import Program, Uses, Word, addresses, compose, word
 from kickdrift.world.step.subdivision import do_parts
 from kickdrift.world.tables import (

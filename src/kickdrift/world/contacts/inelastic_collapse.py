@@ -1,0 +1,73 @@
+"""Inelastic collapse: a light body between heavy ones is hit infinitely often in a finite time, where e is small."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.impact_motion import constraint, is_moved
+from kickdrift.world.contacts.impact_rows import BOUNCE, ROW, SPEED, TIME, TIMES
+from kickdrift.world.contacts.impact_worklist import BOUNCING_CONTACT
+from kickdrift.world.layout import NEXT_IMPACT
+from kickdrift.world.settings import BOUNCING_TIME
+from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING
+from kickdrift.world.tables import (
+    BOUNCING,
+    CONTACT,
+    IMPACT,
+    KICKED,
+    SETTINGS,
+    STEP_STATUS,
+    floats,
+    integers,
+    rows,
+    set_rows,
+)
+
+
+@compiled(inline=True)
+def bodies_of(world: int, hit: int) -> tuple[int, int]:
+    """Return the rows of the bodies of an impact."""
+    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
+    return contact[row, c.BODY_A], contact[row, c.BODY_B]
+
+
+@compiled(inline=True)
+def warn_of_impacts(world: int, body: int, t: float) -> None:
+    """Note that impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
+    status, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
+    if status[0, WARNING] & LEFT_BOUNCING == 0:
+        status[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
+        status[0, WARNING] |= LEFT_BOUNCING
+
+
+@compiled
+def join_touching(world: int) -> None:
+    """Make the impacts of a round inelastic, and solve them together with the contacts that have hit before in the substep.
+
+    So it ends as if all were hit at once.
+    """
+    impact, contact, kicked = floats(world, IMPACT), integers(world, CONTACT), floats(world, KICKED)
+    bouncing, count, known = integers(world, BOUNCING), rows(world, IMPACT), 0
+    for hit in range(count):
+        impact[hit, BOUNCE] = 0.0
+    while known < count:
+        known = count
+        for k in range(rows(world, BOUNCING)):
+            row = bouncing[k, BOUNCING_CONTACT]
+            if constraint(world, row)[c.REFERENCE * c.WIDTH] != c.HIT:
+                continue
+            own_a, own_b, joins, when = contact[row, c.BODY_A], contact[row, c.BODY_B], False, 0.0
+            for hit in range(count):
+                a, b = bodies_of(world, hit)
+                shared = (is_moved(world, own_a) and own_a in (a, b)) or (is_moved(world, own_b) and own_b in (a, b))
+                if shared and not joins:
+                    joins, when = True, impact[hit, TIME]
+                if int(impact[hit, ROW]) == row:
+                    joins = False
+                    break
+            if joins:
+                impact[count, ROW], impact[count, TIME] = row, when
+                impact[count, BOUNCE], impact[count, SPEED] = 0.0, 0.0
+                for j in range(4):
+                    impact[count, TIMES + j] = when
+                kicked[own_a, NEXT_IMPACT] = kicked[own_b, NEXT_IMPACT] = when
+                count += 1
+    set_rows(world, IMPACT, count)

@@ -1,0 +1,179 @@
+"""Sequential impulses for contacts: sweeps over the colours, in lanes within a colour.
+
+Soft steps after E. Catto, "Solver2D" (2024): every substep has a pass with a bias that pushes overlapping bodies apart like a
+damped spring, and, after the drift, a relaxing pass without bias that removes the velocity of the push and applies friction.
+Before the latter, arms are recomputed where bodies have moved.
+"""
+
+from collections.abc import Callable
+
+from numba import carray, prange
+
+from kickdrift.core.compilation import compiled, specialise, unbound
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.arm_refresh import find_stale, gather_for_arms, refresh_marked, run_kernel
+from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
+from kickdrift.world.contacts.group_bodies import add_changes, fetch, gather, gather_inertia, scatter
+from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, SCRATCH_SIZE, VELOCITY_A
+from kickdrift.world.settings import PUSH_SPEED, SLOP
+from kickdrift.world.tables import (
+    COLOURS,
+    CONTACT,
+    DELTA_POSE,
+    GROUPS,
+    INVERSE_MASS,
+    KERNEL_ADDRESSES,
+    LANES,
+    MANIFOLD,
+    MOTION,
+    SETTINGS,
+    flat,
+    floats,
+    integers,
+)
+
+_W = c.WIDTH
+_SIZE = c.FIELDS * _W
+
+_TOUCHING = 1e-6  # of the slop: depth from which points count as touching, above rounding
+_FEWEST = 16  # groups of a colour from which on a parallel region, of some 10 us, pays off
+
+group: Callable[..., None] = unbound
+LAST = OVERFLOW  # colour
+
+
+def _sweep(t: float, h: float, world: int) -> None:
+    """Call `group` on the groups of all colours up to LAST, in parallel for large colours; `specialise` binds both."""
+    colours = integers(world, COLOURS)
+    for k in range(OVERFLOW):
+        first, last = colours[k, c.FIRST_GROUP], colours[k, c.AFTER_GROUP]
+        if last - first < _FEWEST:
+            for g in range(first, last):
+                group(world, h, g)
+        else:
+            for g in prange(first, last):
+                group(world, h, g)
+    for k in range(OVERFLOW, LAST + 1):
+        for g in range(colours[k, c.FIRST_GROUP], colours[k, c.AFTER_GROUP]):
+            group(world, h, g)
+
+
+@compiled
+def _warm_start_group(world: int, h: float, g: int) -> None:
+    """Apply the accumulated impulses of a group."""
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
+    lanes, scratch, kernels = (
+        flat(world, LANES),
+        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
+        integers(world, KERNEL_ADDRESSES),
+    )
+    fetch(world, g)
+    linked = _is_linked(world, g)
+    if linked:
+        for k in range(12 * _W):
+            scratch[VELOCITY_A * _W + k] = 0.0
+    else:
+        gather(world, g, motion, VELOCITY_A, scratch)
+    gather_inertia(world, g, inverse_mass, scratch)
+    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], kernels[0, c.LANE_COUNT]
+    run_kernel(kernels[0, c.APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
+    if linked:
+        add_changes(world, g, motion, scratch)
+    else:
+        scatter(world, g, motion, scratch)
+
+
+@compiled(inline=True)
+def _is_linked(world: int, g: int) -> bool:
+    """Whether the contacts of a group are solved directly; several of them may share a movable body."""
+    linked: bool = g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
+    return linked
+
+
+@compiled
+def _solve_group(world: int, h: float, g: int) -> None:
+    """Do the soft sweep over the normals of a group."""
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
+    lanes, scratch, kernels = (
+        flat(world, LANES),
+        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
+        integers(world, KERNEL_ADDRESSES),
+    )
+    fetch(world, g)
+    delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], kernels[0, c.LANE_COUNT]
+    gather(world, g, motion, VELOCITY_A, scratch)
+    gather(world, g, delta_pose, DELTA_POSE_A, scratch)
+    gather_inertia(world, g, inverse_mass, scratch)
+    own = lanes[g * _SIZE : (g + 1) * _SIZE]
+    run_kernel(kernels[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
+    scatter(world, g, motion, scratch)
+
+
+@compiled
+def _relax_group(world: int, h: float, g: int) -> None:
+    """Recompute stale arms of a group, and do the rigid sweep over its friction and normals."""
+    motion = floats(world, MOTION)
+    lanes, scratch, kernels = (
+        flat(world, LANES),
+        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
+        integers(world, KERNEL_ADDRESSES),
+    )
+    n = kernels[0, c.LANE_COUNT]
+    fetch(world, g)
+    gather_for_arms(world, g, scratch)
+    own = lanes[g * _SIZE : (g + 1) * _SIZE]
+    find_stale(world, own, scratch, n)
+    refresh_marked(world, h, g, own, scratch, n)
+    if _is_linked(world, g):  # the direct solver finds its impulses
+        return
+    least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
+    run_kernel(kernels[0, c.SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
+    run_kernel(kernels[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
+    scatter(world, g, motion, scratch)
+
+
+# Apply the impulses of the last substep.
+warm_start = compiled(specialise(_sweep, "warm_start", group=_warm_start_group, LAST=LINKED))
+# Keep bodies apart, and push apart those that overlap.
+solve = compiled(specialise(_sweep, "solve", group=_solve_group))
+# Recompute arms; solve friction, torsion and rolling resistance; then remove the velocity of the push.
+relax = compiled(specialise(_sweep, "relax", group=_relax_group, LAST=LINKED))
+
+# The same on Numba's threads, with the same bits: no two contacts of a colour move the same body.
+THREADED = {
+    warm_start: compiled(parallel=True)(
+        specialise(_sweep, "warm_start_threaded", group=_warm_start_group, LAST=LINKED)
+    ),
+    solve: compiled(parallel=True)(specialise(_sweep, "solve_threaded", group=_solve_group)),
+    relax: compiled(parallel=True)(specialise(_sweep, "relax_threaded", group=_relax_group, LAST=LINKED)),
+}
+
+
+@compiled
+def store(t: float, h: float, world: int) -> None:
+    """Store the impulses in the manifolds, for warm starting the next step."""
+    groups, lanes, manifold = integers(world, GROUPS), flat(world, LANES), floats(world, MANIFOLD)
+    contact, colours = integers(world, CONTACT), integers(world, COLOURS)
+    for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
+        for lane in range(_W):
+            row = groups[g, c.GROUP_CONTACTS + lane]
+            if row < 0:
+                continue
+            own = lanes[g * _SIZE + lane : (g + 1) * _SIZE]
+            for k in range(contact[row, c.POINTS]):
+                impulse = own[(c.P + c.POINT_FIELDS * k + c.IMPULSE) * _W]
+                manifold[row, c.NORMAL_IMPULSE + k] = impulse
+            n = (own[c.N * _W], own[(c.N + 1) * _W], own[(c.N + 2) * _W])
+            u = (own[c.T * _W], own[(c.T + 1) * _W], own[(c.T + 2) * _W])
+            d1, d2 = own[c.TANGENT_IMPULSE * _W], own[(c.TANGENT_IMPULSE + 1) * _W]
+            manifold[row, c.FRICTION_IMPULSE] = d1 * u[0] + d2 * (n[1] * u[2] - n[2] * u[1])
+            manifold[row, c.FRICTION_IMPULSE + 1] = d1 * u[1] + d2 * (n[2] * u[0] - n[0] * u[2])
+            manifold[row, c.FRICTION_IMPULSE + 2] = d1 * u[2] + d2 * (n[0] * u[1] - n[1] * u[0])
+            manifold[row, c.TWIST_IMPULSE] = own[c.TWISTING_IMPULSE * _W]
+            contact[row, c.CONTACT_STATE] &= ~c.MOVING
+            if own[c.REFRESHED * _W] > 0.0:
+                contact[row, c.CONTACT_STATE] |= c.MOVING
+            if own[c.ROLL_RESISTANCE * _W] > 0.0:
+                for k in range(3):
+                    manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL_IMPULSE + k) * _W]
