@@ -266,9 +266,8 @@ class Watch:
     def _bracketed(self, event: int, steps: Brackets) -> Brackets:
         """Return the parts of steps with a zero in the wanted direction; steps are halved where more zeros may hide."""
         bound = self.events[event].rate_bound
-        if bound is None:  # all of them have a zero
-            crosses = self._crosses(event, steps)
-            return steps if crosses.all() else steps.part(crosses)
+        if bound is None:
+            return steps if (crosses := self._crosses(event, steps)).all() else steps.part(crosses)
 
         def value_at(which: NDArray[np.intp], left: Brackets, share: Floats) -> Floats:
             *_, values, own = self._ask(event, left, share)
