@@ -281,3 +281,25 @@ def test_a_ball_that_drops_on_heavy_boxes_at_rest_keeps_the_square_of_e_of_its_e
             world.step(STEP)
         left = 0.5 * ball.velocity[2] ** 2 + 9.81 * (ball.position[2] - top)
         assert left == pytest.approx(restitution**2 * 9.81 * height, rel=0.01)
+
+
+def test_a_light_box_that_a_heavy_ball_strikes_is_not_hammered_into_the_floor():
+    """Contacts that had bounced were ignored for the rest of the step; it sank by 12 cm."""
+    world = World()
+    world.add_plane(restitution=0.3)
+    box = world.add_box((1, 1, 0.4), position=(0, 0, 0.2), mass=10.0, restitution=0.3)
+    world.advance(STEP, 30)
+    world.add_sphere(0.1, position=(0, 0, 0.52), velocity=(0, 0, -3), mass=100.0, restitution=0.3)
+    for _ in range(60):
+        world.step(STEP)
+        assert box.position[2] > 0.2 - 0.02
+
+
+@pytest.mark.parametrize("size", [3.0, 10.0])
+def test_a_plate_that_bounces_hardly_sinks_into_the_floor(size):
+    world = World()
+    world.add_plane(restitution=0.5)
+    plate = world.add_box((size, size, 0.2), position=(0, 0, 1), restitution=0.5)
+    for _ in range(240):
+        world.step(STEP)
+        assert plate.position[2] > 0.1 - 1e-3

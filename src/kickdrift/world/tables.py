@@ -37,7 +37,7 @@ LOAD = Table(5, 8)  # forces that users apply during the next step
 RESTED = Table(36, 12)
 FORCE = Table(35, 12)  # in this substep
 KICKED = Table(6, 24)  # data that `kickdrift.world.integration` carries from kick to drift
-NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver, for restoring it
+NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver; or while impacts are found, support
 BODY = Table(7, 16, whole=True)
 # Shapes
 SHAPE = Table(8, 8, whole=True)
@@ -123,10 +123,8 @@ CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.wo
 NORMAL_TREE = Table(95, 8)  # likewise, over their normals
 CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 4, whole=True), Table(103, 2, whole=True)  # nodes
 FACE_BOUNDS, FACE_NORMALS, FACE_STARS = Table(90, 8), Table(91, 8), Table(108, 3, whole=True)
-ZONE, ZONE_NUMBERS = (
-    Table(92, 4, whole=True),
-    Table(93, 16),
-)  # of each particle: see `kickdrift.world.cloth.impact_zones`
+# of each particle: see `kickdrift.world.cloth.impact_zones`
+ZONE, ZONE_NUMBERS = Table(92, 4, whole=True), Table(93, 16)
 CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)
 FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 29, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each

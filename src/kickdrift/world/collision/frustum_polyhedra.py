@@ -2,7 +2,7 @@
 
 The direction of largest separation is the normal of a face of the polyhedron, the axis of the frustum, or the normal of the
 frustum at the deepest point of an edge of the polyhedron, which is found exactly: the signed distance is convex along an edge.
-This holds for shapes that are apart; where they overlap deeply, `deep_overlap` finds the direction.
+This holds for shapes that are apart; where they overlap deeply, `epa` finds the direction.
 """
 
 from typing import Any

@@ -33,6 +33,7 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import SLOP
 from kickdrift.world.tables import (
+    BOUNCING,
     DELTA_POSE,
     GROUPS,
     INVERSE_MASS,
@@ -72,7 +73,7 @@ def refresh_hit(t: float, h: float, world: int) -> None:
 
     With those from before, a frictionless capsule that has hit a box changes its spin from 10.6 to 19.6 rad/s.
     """
-    for g in range(rows(world, GROUPS)):
+    for g in range(rows(world, GROUPS) if rows(world, BOUNCING) > 0 else 0):
         if _is_hit(world, g):
             _refresh_hit_group(world, h, g)
 
@@ -103,6 +104,7 @@ def _refresh_hit_group(world: int, h: float, g: int) -> None:
         for k in range(4):
             if gaps[4 * lane + k] == _FAR:
                 hide_from_sweeps(own[lane:], k)
+                own[c.REFERENCE * _W + lane] = c.HIT  # until they are recomputed after the drift
 
 
 @compiled
@@ -131,7 +133,7 @@ def _move_to_impact(world: int, h: float, g: int, lane: int, scratch: Any) -> No
 
 @compiled(inline=True)
 def gather_for_arms(world: int, g: int, scratch: Any) -> None:
-    """Copy what `find_stale` and `refresh_marked` need of the bodies of every lane."""
+    """Copy what is needed of the bodies of every lane to recompute its arms."""
     gather(world, g, floats(world, MOTION), VELOCITY_A, scratch)
     gather(world, g, floats(world, DELTA_POSE), DELTA_POSE_A, scratch)
     gather_inertia(world, g, floats(world, INVERSE_MASS), scratch)

@@ -2,8 +2,8 @@
 
 Impacts come before the sweeps, after a kick by which a resting body falls. Its contacts carry it, with the impulses of the
 substep before: while impacts are found they count as part of the kick. Taken as falling, a heavy box on a floor gives a ball
-that drops on it up to 10 % of its energy, or takes as much. They are stored as velocities in `NOTED`, which the direct solver
-uses at other times.
+that drops on it up to 10 % of its energy, or takes as much. The velocities that they give are stored in `NOTED`, which the
+direct solver uses at other times.
 """
 
 from typing import Any
@@ -48,7 +48,7 @@ def remove_support(world: int) -> None:
 def _add_contact(world: int, row: int) -> None:
     """Add the impulses of a contact to the support of its bodies."""
     contact, support, inverse_mass = integers(world, CONTACT), floats(world, NOTED), floats(world, INVERSE_MASS)
-    impulse = impulse_of(constraint(world, row))
+    impulse = _impulse_of(constraint(world, row))
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     for k in range(3):
         support[a, VELOCITY + k] -= inverse_mass[a, INVERSE_LINEAR_MASS] * impulse[k]
@@ -56,7 +56,7 @@ def _add_contact(world: int, row: int) -> None:
 
 
 @compiled
-def impulse_of(own: Any) -> Vector:
+def _impulse_of(own: Any) -> Vector:
     """Return the impulse of a contact on its second body, N s."""
     normal, first, total = vector_of(own, c.N), vector_of(own, c.T), 0.0
     for k in range(int(own[c.COUNT * c.WIDTH])):

@@ -8,8 +8,9 @@ Impacts are resolved in rounds, after B. Smith, D. M. Kaufman, E. Vouga, R. Tams
 Simultaneous Impact" (2012): in each round all contacts that are the first to hit on their bodies, simultaneously, until nothing
 hits any more. So momentum passes through a row of touching balls, and symmetry is preserved.
 
-Contacts of shapes so fast that they may pass each other within the step are included even with e = 0: one sweep over the points
-of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
+Contacts of shapes so fast that they may pass each other within the step are included even with e = 0: one sweep over the
+points of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
+Bodies at rest are carried meanwhile by what they rest on (`kickdrift.world.contacts.resting_support`).
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
 `kickdrift.world.contacts.impact_rows` and `kickdrift.world.contacts.simultaneous_impact` compute the other columns.
@@ -67,7 +68,7 @@ _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until
 @compiled
 def find_bouncing(t: float, h: float, world: int) -> None:
     """List the contacts that may bounce."""
-    contact, place, count = integers(world, CONTACT), floats(world, PLACE), 0
+    contact, count = integers(world, CONTACT), 0
     if rows(world, CONTACT) > room(world, BOUNCING):
         ask_for_room(world, BOUNCING, rows(world, CONTACT))
         return
@@ -77,7 +78,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
     struck = _mark_struck(world)
     bouncing, substep = integers(world, BOUNCING), h / floats(world, SETTINGS)[0, SUBSTEPS]
     for row in range(rows(world, CONTACT)):
-        e = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
+        e = restitution_of(world, row)
         bounces = e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST or (struck and _is_struck(world, row))
         if not bounces or contact[row, c.PLACE_IN_GROUPS] < 0:
             continue
@@ -88,6 +89,14 @@ def find_bouncing(t: float, h: float, world: int) -> None:
             bouncing[count, BOUNCING_CONTACT] = row
             count += 1
     set_rows(world, BOUNCING, count)
+
+
+@compiled(inline=True)
+def restitution_of(world: int, row: int) -> float:
+    """Return the coefficient of restitution of a contact: the larger one of both shapes."""
+    contact, place = integers(world, CONTACT), floats(world, PLACE)
+    e: float = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
+    return e
 
 
 @compiled
@@ -219,7 +228,7 @@ def _find_round(world: int, n: int, h: float) -> float:
     """
     impact, kicked, contact = floats(world, IMPACT), floats(world, KICKED), integers(world, CONTACT)
     found, fastest = 0, 0.0
-    bouncing, place = integers(world, BOUNCING), floats(world, PLACE)
+    bouncing = integers(world, BOUNCING)
     for k in range(rows(world, BOUNCING)):
         row = bouncing[k, BOUNCING_CONTACT]
         a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
@@ -234,9 +243,7 @@ def _find_round(world: int, n: int, h: float) -> float:
             bouncing[k, HITS_NOT] = 0
             fastest = max(fastest, impact[found, SPEED])
             impact[found, ROW] = row
-            impact[found, BOUNCE] = max(
-                place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION]
-            )
+            impact[found, BOUNCE] = restitution_of(world, row)
             kicked[a, NEXT_IMPACT] = kicked[b, NEXT_IMPACT] = math.inf
             found += 1
     for hit in range(found):

@@ -3,67 +3,129 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import dot, plus, times
+from kickdrift.core.vectors import times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
-from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.resting_support import impulse_of
+from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint
-from kickdrift.world.direct.contact_states import REST
+from kickdrift.world.direct.contact_rows import impulse_field
+from kickdrift.world.direct.contact_states import REST, twelve
+from kickdrift.world.direct.contact_wrenches import write_wrench
 from kickdrift.world.direct.direct_bodies import body_of, node_of, place_in
-from kickdrift.world.direct.island_velocities import note_velocities, take_back_velocities
-from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_NODE, FIRST_CONTACT, FIRST_NODE, LINK_ROW, PREDICTION
+from kickdrift.world.direct.island_velocities import kinetic_energy, note_velocities, take_back_velocities
+from kickdrift.world.direct.layout import (
+    AFTER_CONTACT,
+    AFTER_JOINT,
+    AFTER_NODE,
+    CONTACT_ROWS,
+    FIRST_CONTACT,
+    FIRST_JOINT,
+    FIRST_NODE,
+    LINK_ROW,
+    PREDICTION,
+)
 from kickdrift.world.direct.loop_closures import stay_closings
-from kickdrift.world.joints.layout import ACCELERATION, ANGULAR_PART, GAIN, LINEAR_PART
+from kickdrift.world.joints.joint_warm_start import push_bodies, push_body
+from kickdrift.world.joints.layout import (
+    ACCELERATION,
+    ANGULAR_PART,
+    AXIS_IMPULSE,
+    GAIN,
+    JOINT_IMPULSE,
+    LAWS,
+    LINEAR_PART,
+    LINK_JOINT,
+)
 from kickdrift.world.joints.right_hand_side import RELAX
-from kickdrift.world.layout import INVERSE_LINEAR_MASS
-from kickdrift.world.tables import INVERSE_MASS, ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, floats, integers
+from kickdrift.world.tables import (
+    ISLAND,
+    ISLAND_CONTACT,
+    ISLAND_JOINT,
+    JOINT,
+    JOINT_NUMBERS,
+    LINK,
+    LINK_NUMBERS,
+    MOTION,
+    NODE,
+    NOTED,
+    floats,
+    integers,
+)
 
 
 @compiled(cached=False)
 def find_accelerations(world: int, island: int, h: float) -> None:
-    """Store the accelerations of the bodies of an island by forces, support and joints, without motors and rotation."""
-    own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
-    work, motion = floats(world, LINK_NUMBERS), floats(world, MOTION)
-    _find_support(world, island, h)
+    """Store the accelerations of the bodies of an island by forces, support, joints and their laws, without rotation.
+
+    Impulses of contacts and of laws are those of the substep before. They are left out if bodies would be accelerated more with
+    them than without: then an impact has stopped bodies there.
+    """
     note_velocities(world, island)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body, link = body_of(world, node), nodes[node, LINK_ROW]
-        free, turn = acceleration(world, body), angular_acceleration(world, body)
-        carried = plus(free, vector_at(work, link, ACCELERATION))
-        if dot(carried, carried) < dot(free, free):  # otherwise an impact has stopped it, as in `add_support`
-            free = carried
-        for k in range(3):
-            work[link, ACCELERATION + k], work[link, ACCELERATION + 3 + k] = free[k], turn[k]
-            motion[body, LINEAR_PART + k] += h * free[k]
-            motion[body, ANGULAR_PART + k] += h * turn[k]
-    aim_island(world, island, h, RELAX)
-    stay_closings(world, island)
-    solve(world, island, h, PREDICTION, REST, True, False)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link = nodes[node, LINK_ROW]
-        for k in range(6):
-            work[link, ACCELERATION + k] += work[link, GAIN + k] / h
+    falling = _find(world, island, h, False)
+    if not _find(world, island, h, True) <= falling:
+        _find(world, island, h, False)
     take_back_velocities(world, island)
 
 
 @compiled(cached=False)
-def _find_support(world: int, island: int, h: float) -> None:
-    """Store the accelerations by the contacts on which bodies rest, with their impulses of the substep before."""
-    own, nodes, order = integers(world, ISLAND)[island], integers(world, NODE), integers(world, ISLAND_CONTACT)
-    work, inverse_mass = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS)
+def _find(world: int, island: int, h: float, supported: bool) -> float:
+    """Store the accelerations; return the kinetic energy of what they change in a substep, J. Velocities are overwritten."""
+    own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
+    work, motion, noted = floats(world, LINK_NUMBERS), floats(world, MOTION), floats(world, NOTED)
+    take_back_velocities(world, island)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = body_of(world, node)
+        free, turn = acceleration(world, body), angular_acceleration(world, body)
         for k in range(3):
-            work[nodes[node, LINK_ROW], ACCELERATION + k] = 0.0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        push = times(1.0 / h, impulse_of(constraint(world, order[k, 0])))
-        a, b = bodies_of(world, order[k, 0])
-        for side in range(2):
-            body, sign = (b, 1.0) if side == 1 else (a, -1.0)
-            if place_in(world, island, body) >= 0:
-                for i in range(3):
-                    gained = sign * inverse_mass[body, INVERSE_LINEAR_MASS] * push[i]
-                    work[node_of(world, body), ACCELERATION + i] += gained
+            motion[body, LINEAR_PART + k] += h * free[k]
+            motion[body, ANGULAR_PART + k] += h * turn[k]
+    if supported:
+        _push_by_contacts(world, island)
+        _push_by_laws(world, island)
+    aim_island(world, island, h, RELAX)
+    stay_closings(world, island)
+    solve(world, island, h, PREDICTION, REST, True, False)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body, link = body_of(world, node), nodes[node, LINK_ROW]
+        for k in range(6):
+            motion[body, k] += work[link, GAIN + k] - noted[body, k]
+            work[link, ACCELERATION + k] = motion[body, k] / h
+    return kinetic_energy(world, island, MOTION)
+
+
+@compiled(cached=False)
+def _push_by_contacts(world: int, island: int) -> None:
+    """Apply the impulses of the contacts on which bodies of an island rest."""
+    own, order, wrench = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), twelve()
+    for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        fields, (a, b) = constraint(world, order[place, 0]), bodies_of(world, order[place, 0])
+        for row in range(CONTACT_ROWS):
+            impulse = fields[impulse_field(row) * WIDTH]
+            if impulse == 0.0:
+                continue
+            write_wrench(fields, row, wrench)
+            for side in range(2):
+                body, at = b if side == 1 else a, 6 * side
+                if place_in(world, island, body) >= 0:
+                    push = (wrench[at], wrench[at + 1], wrench[at + 2])
+                    turn = (wrench[at + 3], wrench[at + 4], wrench[at + 5])
+                    push_body(world, body, times(impulse, push), times(impulse, turn))
+
+
+@compiled(cached=False)
+def _push_by_laws(world: int, island: int) -> None:
+    """Apply the impulses of limits, motors, drives and friction of the joints of an island."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        link = order[place, 0]
+        joint = links[link, LINK_JOINT]
+        if joints[joint, LAWS] == 0:
+            continue
+        for k in range(6):
+            has_law = joints[joint, LAWS] >> k & 1
+            work[link, AXIS_IMPULSE + k] = numbers[joint, JOINT_IMPULSE + k] if has_law else 0.0
+        push_bodies(world, joint, work, link, AXIS_IMPULSE)
 
 
 @compiled(cached=False)

@@ -15,8 +15,9 @@ Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.collision.body_acceleration import closing_acceleration
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.restitution import slowest_bounce, strikes
+from kickdrift.world.contacts.restitution import restitution_of, slowest_bounce, strikes
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contact_states import BOUNCE, BOUNCE_FRICTION, read_both, twelve
@@ -29,8 +30,7 @@ from kickdrift.world.direct.island_velocities import kinetic_energy, note_veloci
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.joints.right_hand_side import RELAX
-from kickdrift.world.layout import RESTITUTION
-from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, PLACE, floats, integers
+from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, integers
 
 _ROUNDS = 30
 
@@ -81,7 +81,7 @@ def _find_hits(world: int, island: int, h: float) -> bool:
         struck = struck or strikes(world, row_of(world, order[k, 0]))
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         row = row_of(world, order[k, 0])
-        if _hits(world, order[k, 0], _restitution(world, row) > 0.0 or struck, h):
+        if _hits(world, order[k, 0], restitution_of(world, row) > 0.0 or struck, h):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
             found = True
     return found
@@ -93,7 +93,7 @@ def _hits(world: int, index: int, may_hit: bool, h: float) -> bool:
     a, b = bodies_of(world, index)
     own, numbers = constraint(world, index), contact_row(world, index)
     row = row_of(world, index)
-    slowest = slowest_bounce(world, h, row)
+    slowest, closing = slowest_bounce(world, h, row), closing_acceleration(world, row)
     velocity, change, wrench = twelve(), twelve(), twelve()
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
@@ -108,7 +108,8 @@ def _hits(world: int, index: int, may_hit: bool, h: float) -> bool:
         speed = along(wrench, velocity)
         if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
             numbers[HITS + k] = 0.0
-            hit = hit or gap + h * speed <= 0.0
+            # The solution of the substep would stop a point that forces bring to the surface within it.
+            hit = hit or gap + h * (speed - h * closing) <= 0.0
     for k in range(TANGENT):
         numbers[HITS + k] = numbers[HITS + k] if hit else -1.0
     if hit:
@@ -131,7 +132,7 @@ def _find_speeds(world: int, island: int) -> None:
         fields, numbers, e = (
             constraint(world, index),
             contact_row(world, index),
-            _restitution(world, row_of(world, index)),
+            restitution_of(world, row_of(world, index)),
         )
         read_both(world, MOTION, a, b, velocity)
         read_both(world, DELTA_POSE, a, b, change)
@@ -143,11 +144,3 @@ def _find_speeds(world: int, island: int) -> None:
             gap = fields[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] + along(wrench, change)
             speed, gained = along(wrench, velocity), -2.0 * along(wrench, forced) * max(gap, 0.0)
             numbers[HITS + k] = math.sqrt(max(e * e * (speed * speed + gained) - gained, 0.0))
-
-
-@compiled(inline=True, cached=False)
-def _restitution(world: int, row: int) -> float:
-    """Return the coefficient of restitution of a contact."""
-    contact, place = integers(world, CONTACT), floats(world, PLACE)
-    e: float = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-    return e

@@ -128,7 +128,9 @@ def _solve_carefully(world: int, island: int, h: float) -> None:
     project(world, island, h, GENTLY, PRESS)
     energy = kinetic_energy(world, island, MOTION)
     begun = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
-    bound = max(begun / FEWER, NEAR) if has_loops(world, island) else FAR * islands[island, RATIO]
+    bound = FAR * islands[island, RATIO]
+    if has_loops(world, island):
+        bound = min(bound, max(begun / FEWER, NEAR))
     if not (
         _approach(world, island, h, begun) <= bound
         and kinetic_energy(world, island, MOTION) <= allowance(world, island, h) * energy + energy_given(world, island)
