@@ -16,15 +16,8 @@ from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.direct.energy_drift import drift_of_energy, forget_drift, judged_since
 from kickdrift.world.direct.island_velocities import energy_of
-from kickdrift.world.direct.layout import (
-    AFTER_JOINT,
-    AFTER_NODE,
-    FIRST_CLOSING,
-    FIRST_JOINT,
-    FIRST_NODE,
-    GIVEN_UP,
-    TOUCHES,
-)
+from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, GIVEN_UP, TOUCHES
+from kickdrift.world.direct.loop_closures import has_loops
 from kickdrift.world.direct.substep_estimate import LONG_TURN, refinement
 from kickdrift.world.joints.kinematics import axis_unit
 from kickdrift.world.joints.layout import (
@@ -109,7 +102,7 @@ def note_losses(t: float, h: float, world: int) -> None:
             continue
         body, rate = _fastest(world, island)
         far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
-        judged = JUDGED_TURN_OF_LOOPS if islands[island, AFTER_JOINT] > islands[island, FIRST_CLOSING] else JUDGED_TURN
+        judged = JUDGED_TURN_OF_LOOPS if has_loops(world, island) else JUDGED_TURN
         loss, since = drift_of_energy(world, island, t, h), judged_since(world, island)
         found = abs(loss) > MOST and rate * h > RESTING_TURN
         if not found and (far or rate * substep > judged):

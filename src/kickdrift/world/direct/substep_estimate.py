@@ -6,6 +6,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.direct_bodies import mass_of
 from kickdrift.world.direct.island_velocities import inner_speed, kinetic_energy
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
+from kickdrift.world.direct.loop_closures import has_loops
 from kickdrift.world.joints.layout import BODY_A, LINK_JOINT, LOCKED, YIELD
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import (
@@ -62,4 +63,4 @@ def refinement(world: int, island: int, turn: float, substep: float) -> float:
         else:
             energy = max(energy, 0.5 * mass_of(world, island) * inner_speed(world, island, velocities) ** 2)
     factor = max(_PER_ROOT * math.sqrt(max(turn, substep * math.sqrt(2.0 * energy * most))), 2.0)
-    return _OF_LOOPS * factor if own[FIRST_CLOSING] < own[AFTER_JOINT] else factor
+    return _OF_LOOPS * factor if has_loops(world, island) else factor
