@@ -20,13 +20,16 @@ def address_of(function: Function, signature: Any) -> int:
     """
     dispatcher: Any = function
     # Asking the dispatcher takes 0.1 ms, and the hash of a signature, of which there are few, 10 us.
-    known: dict[int, tuple[Any, int]] = vars(dispatcher).setdefault("_addresses", {})
-    found = known.get(id(signature))
+    found = dispatcher.addresses.get(id(signature))
     if found is None:
         dispatcher.compile(signature)
         result = dispatcher.get_compile_result(signature)
-        found = known[id(signature)] = (signature, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
-    return found[1]
+        found = dispatcher.addresses[id(signature)] = (
+            signature,
+            result.library.get_pointer_to_function(result.fndesc.llvm_func_name),
+        )
+    address: int = found[1]
+    return address
 
 
 def caller(signature: Any) -> Any:

@@ -96,7 +96,7 @@ def load(function: Function, signature: Any) -> None:
 def is_on_disk(function: Function, signature: Any) -> bool:
     """Whether compiled code for a signature is on disk, or was made in this process."""
     dispatcher: Any = function
-    compiled_here = tuple(signature.args) in dispatcher._wholes
+    compiled_here = id(signature) in dispatcher.addresses or tuple(signature.args) in dispatcher._wholes
     return compiled_here or (
         isinstance(dispatcher._cache, Cache) and dispatcher._cache.holds(signature, dispatcher.targetctx)
     )

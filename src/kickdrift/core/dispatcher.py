@@ -90,6 +90,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         self._called: Any = None
         self._wholes: dict[Any, Any] = {}
         self._loaded: dict[int, Any] = {}  # signatures by identity, since their hashes take 30 us
+        self.addresses: dict[int, tuple[Any, int]] = {}  # of machine code, with signatures, likewise; see `core.calls`
 
     def __reduce__(self) -> Any:
         """Pickle by name where a module contains the function: Numba pickles its code, without the options of intrinsics."""

@@ -37,8 +37,8 @@ _WORKER = (
 
 def missing(jobs: Iterable[Job]) -> list[Job]:
     """Return the jobs, each once, whose functions have not been compiled yet for their signatures."""
-    each = {(id(function), repr(signature)): (function, signature) for function, signature in jobs}
-    return [(function, signature) for function, signature in each.values() if not is_on_disk(function, signature)]
+    unknown = [(function, signature) for function, signature in jobs if not is_on_disk(function, signature)]
+    return list({(id(function), repr(signature)): (function, signature) for function, signature in unknown}.values())
 
 
 def compile_together(jobs: list[Job], done: Callable[[], object] = lambda: None) -> None:

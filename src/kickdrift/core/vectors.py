@@ -102,6 +102,13 @@ def matrix(q: Quaternion) -> tuple[Vector, Vector, Vector]:
 
 
 @compiled(inline=True)
+def axes(q: Quaternion) -> tuple[Vector, Vector, Vector]:
+    """Return the columns of the rotation matrix of a unit quaternion: a body's axes in the world."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = matrix(q)
+    return (xx, yx, zx), (xy, yy, zy), (xz, yz, zz)
+
+
+@compiled(inline=True)
 def turned(q: Quaternion, a: Vector) -> Vector:
     """Turn a vector: from a body's axes to the world's."""
     u = (q[1], q[2], q[3])

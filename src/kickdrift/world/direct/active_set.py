@@ -165,10 +165,10 @@ def refine(world: int, island: int, task: int, touched: bool) -> float:
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, worst = integers(world, JOINT), refine_closings(world, island)
     if touched:
-        noticed = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
-        if own[HAS_JOINTS] != 0 and task < BOUNCE:
+        noticed, left = _NOTICED_POINT if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT, refine_contacts(world, island)
+        if left > noticed and own[HAS_JOINTS] != 0 and task < BOUNCE:
             noticed = max(noticed, _NOTICED_PART * inner_speed(world, island, MOTION))
-        worst = max(worst, REFINED / noticed * refine_contacts(world, island))
+        worst = max(worst, REFINED / noticed * left)
     if task >= BOUNCE:
         return worst
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):

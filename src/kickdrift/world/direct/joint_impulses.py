@@ -5,7 +5,6 @@ from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contact_states import BOUNCE
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
-from kickdrift.world.joints.axis_laws import end_laws
 from kickdrift.world.joints.geometric_stiffness import set_brakes
 from kickdrift.world.joints.joint_warm_start import note_speeds, push_bodies
 from kickdrift.world.joints.kinematics import put_vector
@@ -16,7 +15,6 @@ from kickdrift.world.joints.layout import (
     BODY_B,
     JOINT_IMPULSE,
     JOINT_WRENCH,
-    LAWS,
     LINEAR,
     LINK_BODY,
     LINK_JOINT,
@@ -83,8 +81,6 @@ def end_joint(world: int, joint: int, h: float) -> None:
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
         numbers[joint, SOLVED + k] = numbers[joint, JOINT_IMPULSE + k]
-    if integers(world, JOINT)[joint, LAWS] != 0:
-        end_laws(world, joint, h)
 
 
 @compiled(cached=False)

@@ -86,11 +86,11 @@ def solution(
     """
     if lower > -math.inf:
         pull = friction * _sign(-lower, 1) + motor * _sign(motor_speed - lower, 1)
-        if (lower - free) / mobility >= pull + _drive(lower, constant, slope, maximum):
+        if lower - free >= mobility * (pull + _drive(lower, constant, slope, maximum)):
             return AT_LOWER, True, lower, 0.0
     if upper < math.inf:
         pull = friction * _sign(-upper, -1) + motor * _sign(motor_speed - upper, -1)
-        if (upper - free) / mobility <= pull + _drive(upper, constant, slope, maximum):
+        if upper - free <= mobility * (pull + _drive(upper, constant, slope, maximum)):
             return AT_UPPER, True, upper, 0.0
     others, code = 0.0, _OPEN
     if friction > 0.0:
@@ -110,17 +110,16 @@ def solution(
         others += -motor if right else motor
         code += 3 if right else 6
     if slope > 0.0 and maximum < math.inf:
-        fast, slow = (constant + maximum) / slope, (constant - maximum) / slope
-        if (fast - free) / mobility < others - maximum:
+        if constant + maximum - slope * free < slope * mobility * (others - maximum):
             return code + 9, False, others - maximum, 0.0
-        if (slow - free) / mobility > others + maximum:
+        if constant - maximum - slope * free > slope * mobility * (others + maximum):
             return code + 18, False, others + maximum, 0.0
     return code, False, others + constant, slope
 
 
 @compiled(inline=True, cached=False)
-def _drive_of(world: int, joint: int, k: int, h: float) -> tuple[float, float, float]:
-    """Return the impulse of a drive: constant, slope, maximum; see the top of this file."""
+def _begin_drive(world: int, joint: int, k: int, h: float) -> None:
+    """Compute the impulse of a drive in the substep, before and after the drift; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
     stiffness, damping = laws[row, j.DRIVE_STIFFNESS], laws[row, j.DRIVE_DAMPING]
@@ -132,7 +131,7 @@ def _drive_of(world: int, joint: int, k: int, h: float) -> tuple[float, float, f
     slope = h * (damping + h * stiffness * (alpha + beta))
     if k >= 3:
         slope += numbers[joint, j.BRAKE + k - 3]
-    return constant, slope, h * laws[row, j.DRIVE_MAXIMUM]
+    laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE] = constant, slope
 
 
 @compiled(inline=True, cached=False)
@@ -146,11 +145,9 @@ def _piece(
     lower, upper = laws[row, j.LOWER_LIMIT] - at, laws[row, j.UPPER_LIMIT] - at
     back = h * _RETURN
     lower, upper = min(lower, back), max(upper, -back)
-    if relaxing:  # limits that were passed do not change, and the drive is that from before the drift
+    if relaxing:  # limits that were passed do not change
         lower, upper = min(lower, 0.0), max(upper, 0.0)
-        constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
-    else:
-        constant, slope, maximum = _drive_of(world, joint, k, h)
+    constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
     scale = numbers[joint, j.TWIST_SCALE] if k == 5 and joints[joint, j.ANGULAR] == j.SWING_TWIST else 1.0
     return solution(
         speed - mobility * impulse, mobility, scale * lower / h, scale * upper / h,
@@ -166,7 +163,7 @@ def _friction(world: int, joint: int, link: int, k: int, h: float) -> float:
 
 
 @compiled(cached=False)
-def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool) -> None:
+def _share_friction(world: int, joint: int, link: int, h: float) -> None:
     """Share the friction of a ball joint among its axes, as it bounds the size of the torque.
 
     Friction acts along the impulse that would hold the joint, as it is when the solution starts; the squares of the shares add
@@ -180,10 +177,7 @@ def _share_friction(world: int, joint: int, link: int, h: float, relaxing: bool)
         return
     square = 0.0
     for k in range(3, 6):
-        if relaxing:
-            constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
-        else:
-            constant, _, maximum = _drive_of(world, joint, k, h)
+        constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
         held = numbers[joint, j.JOINT_IMPULSE + k] - work[link, j.AXIS_SPEED + k] / laws[6 * joint + k, j.MOBILITY]
         wish = held - _drive(0.0, constant, 0.0, maximum)
         work[link, j.FRICTION_SHARE + k - 3] = abs(wish)
@@ -212,7 +206,10 @@ def update_law_states(world: int, joint: int, link: int, h: float, relaxing: boo
     laws, numbers = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS)
     work = floats(world, LINK_NUMBERS)
     if first:
-        _share_friction(world, joint, link, h, relaxing)
+        for k in range(0 if relaxing else 6):
+            if laws >> k & 1:
+                _begin_drive(world, joint, k, h)
+        _share_friction(world, joint, link, h)
     settled = True
     for k in range(6):
         if not laws >> k & 1:
@@ -241,13 +238,3 @@ def refine_laws(world: int, joint: int, link: int) -> float:
                 worst = max(worst, abs(given - work[link, j.LAW_BASE + k]) / work[link, j.SLOPE + k])
             work[link, j.LAW_BASE + k] = given
     return worst
-
-
-@compiled(cached=False)
-def end_laws(world: int, joint: int, h: float) -> None:
-    """Keep the drives of the substep for the relaxation, after the drift."""
-    joint_laws, laws = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_AXES)
-    for k in range(6):
-        if joint_laws >> k & 1:
-            constant, slope, _ = _drive_of(world, joint, k, h)
-            laws[6 * joint + k, j.DRIVE_CONSTANT], laws[6 * joint + k, j.DRIVE_SLOPE] = constant, slope

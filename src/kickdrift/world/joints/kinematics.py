@@ -9,6 +9,7 @@ from kickdrift.core.vectors import (
     Symmetric,
     Vector,
     applied,
+    axes,
     conjugate,
     cross,
     dot,
@@ -47,6 +48,20 @@ _LEAST_SCALE = 0.05  # at a swing of 174 degrees; at 180 degrees twist is undefi
 def put_vector(table: Any, row: int, column: int, a: Vector) -> None:
     """Write three numbers of a row."""
     table[row, column], table[row, column + 1], table[row, column + 2] = a
+
+
+@compiled(inline=True, cached=False)
+def put_frame(table: Any, row: int, column: int, frame: tuple[Vector, Vector, Vector]) -> None:
+    """Write three axes into nine numbers of a row."""
+    put_vector(table, row, column, frame[0])
+    put_vector(table, row, column + 3, frame[1])
+    put_vector(table, row, column + 6, frame[2])
+
+
+@compiled(inline=True, cached=False)
+def along(frame: tuple[Vector, Vector, Vector], a: Vector) -> Vector:
+    """Return the components of a vector along three axes."""
+    return (dot(frame[0], a), dot(frame[1], a), dot(frame[2], a))
 
 
 @compiled(inline=True, cached=False)
@@ -131,6 +146,7 @@ def measure_joint(world: int, joint: int, h: float) -> None:
     put_vector(numbers, joint, j.ARM_A, arm_a)
     put_vector(numbers, joint, j.ARM_B, arm_b)
     fa = product(qa, quaternion_at(numbers, joint, j.FRAME_A))
+    frame = axes(fa)
     relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, j.FRAME_B)))
     if joints[joint, j.LINEAR] == j.POINT:
         for k in range(3):
@@ -141,17 +157,15 @@ def measure_joint(world: int, joint: int, h: float) -> None:
             numbers, joint, j.JOINT_POSITION, put_line(numbers, joint, j.AXES, way, fa, numbers[joint, j.LENGTH])
         )
     else:
-        for k in range(3):
-            put_vector(numbers, joint, j.AXES + 3 * k, turned(fa, axis_unit(k)))
-        put_vector(numbers, joint, j.JOINT_POSITION, turned_back(fa, way))
+        put_frame(numbers, joint, j.AXES, frame)
+        put_vector(numbers, joint, j.JOINT_POSITION, along(frame, way))
     mode = joints[joint, j.ANGULAR]
     if mode == j.UNIVERSAL:
         _measure_universal(world, joint, joints[joint, j.PIVOT], fa, relative, h)
     elif mode == j.SWING_TWIST:
         _measure_cone(world, joint, fa, relative)
     else:
-        for k in range(3):
-            put_vector(numbers, joint, j.AXES + 9 + 3 * k, turned(fa, axis_unit(k)))
+        put_frame(numbers, joint, j.AXES + 9, frame)
         if mode == j.HINGE:
             k = 3 + joints[joint, j.PIVOT]
             angle = 2.0 * math.atan2(relative[k - 2], relative[0])

@@ -4,6 +4,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
+    axes,
     conjugate,
     cross,
     dot,
@@ -15,12 +16,19 @@ from kickdrift.core.vectors import (
     rotation_vector,
     times,
     turned,
-    turned_back,
 )
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_wrenches import geared_body, put_wrenches, speed_of_gear
-from kickdrift.world.joints.kinematics import axis_unit, put_cross, put_line, put_vector, relative_velocity
+from kickdrift.world.joints.kinematics import (
+    along,
+    axis_unit,
+    put_cross,
+    put_frame,
+    put_line,
+    put_vector,
+    relative_velocity,
+)
 from kickdrift.world.layout import BOUNDING_RADIUS
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, MOTION, POSE, RESTED, floats, integers
 
@@ -49,6 +57,9 @@ def write_right_hand_side(world: int, joint: int, link: int, h: float, mode: int
     look_here(world, joint, link)
     if mode != RELAX:
         _look_ahead(world, joint, link, h if mode == AHEAD else 0.0)
+    for column in (j.LAW_STATE, j.LAW_BASE, j.DELTA_SPEED, j.AXIS_IMPULSE, j.ACCEPTED_DELTA_SPEED, j.ACCEPTED_IMPULSE):
+        for k in range(6):
+            work[link, column + k] = 0.0
     off, turned_off, per_h = 0.0, 0.0, 1.0 / h
     for k in range(6):
         speed = dot(vector_at(numbers, joint, j.AXES + 3 * k), v if k < 3 else w)
@@ -64,15 +75,6 @@ def write_right_hand_side(world: int, joint: int, link: int, h: float, mode: int
         work[link, j.PUSH + k] = 0.0
         if mode in (AHEAD, GENTLY):
             work[link, j.PUSH + k] = -brake * speed - numbers[joint, j.JOINT_IMPULSE + k]
-        for column in (
-            j.LAW_STATE,
-            j.LAW_BASE,
-            j.DELTA_SPEED,
-            j.AXIS_IMPULSE,
-            j.ACCEPTED_DELTA_SPEED,
-            j.ACCEPTED_IMPULSE,
-        ):
-            work[link, column + k] = 0.0
     joints, rested = integers(world, JOINT), floats(world, RESTED)
     size = length(vector_at(numbers, joint, j.ARM_A)) + length(vector_at(numbers, joint, j.ARM_B))
     size += rested[joints[joint, j.BODY_A], BOUNDING_RADIUS] + rested[joints[joint, j.BODY_B], BOUNDING_RADIUS]
@@ -148,10 +150,10 @@ def _look_ahead(world: int, joint: int, link: int, h: float) -> None:
     put_vector(work, link, j.ARM_A_AHEAD, arm_a)
     put_vector(work, link, j.ARM_B_AHEAD, arm_b)
     fa = product(qa, quaternion_at(numbers, joint, j.FRAME_A))
+    frame = axes(fa)
     if joints[joint, j.LINEAR] == j.FRAME:
-        for k in range(3):
-            put_vector(work, link, j.AXES_AHEAD + 3 * k, turned(fa, axis_unit(k)))
-        put_vector(numbers, joint, j.MISALIGNMENT, turned_back(fa, way))
+        put_frame(work, link, j.AXES_AHEAD, frame)
+        put_vector(numbers, joint, j.MISALIGNMENT, along(frame, way))
     else:
         off = way
         if joints[joint, j.LINEAR] == j.LINE:
@@ -161,8 +163,7 @@ def _look_ahead(world: int, joint: int, link: int, h: float) -> None:
     if joints[joint, j.ANGULAR] >= j.LOOSE:
         return
     relative = product(conjugate(fa), product(qb, quaternion_at(numbers, joint, j.FRAME_B)))
-    for k in range(3):
-        put_vector(work, link, j.AXES_AHEAD + 9 + 3 * k, turned(fa, axis_unit(k)))
+    put_frame(work, link, j.AXES_AHEAD + 9, frame)
     i = joints[joint, j.PIVOT]
     if joints[joint, j.ANGULAR] == j.RIGID:
         off = rotation_vector(relative)
