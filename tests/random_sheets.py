@@ -11,7 +11,7 @@ import numpy as np
 
 import kickdrift as kd
 from kickdrift.world.cloth.mesh import grid
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 
 STEP, LOOK = 1 / 60, 10  # s, and steps between two counts of crossings
 

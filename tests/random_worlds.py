@@ -12,7 +12,7 @@ import numpy as np
 import kickdrift as kd
 from kickdrift.core.errors import KickdriftError
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.constraint_error import widest_gap
+from kickdrift.world.joint_gaps import widest_gap
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.hull import Hull

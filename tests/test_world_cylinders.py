@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 import kickdrift as kd
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, CONE, CYLINDER, HULL, SPHERE, TRIANGLE
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 from kickdrift.world.shapes.shape_kinds import KINDS
 
 G, STEP = 9.81, 1 / 60

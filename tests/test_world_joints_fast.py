@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 from kickdrift.world.world import World
 
 STEP = 1 / 60

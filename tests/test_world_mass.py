@@ -11,7 +11,7 @@ import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.kind_numbers import CAPSULE, PLANE, SPHERE
-from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed, rotation_matrix
+from kickdrift.world.shapes.mass_properties import Mass, checked_inertia, combined, placed, rotation_matrix
 from kickdrift.world.shapes.plane import Plane
 from kickdrift.world.shapes.sphere import Sphere
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.constraint_error import widest_gap
+from kickdrift.world.joint_gaps import widest_gap
 
 STEP = 1 / 240
 NAN, INF = float("nan"), float("inf")

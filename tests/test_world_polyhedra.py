@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kind_numbers import BOX, HULL, PLANE
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 
 UNHURRIED = settings(deadline=None)  # the first example compiles
 SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))

@@ -15,7 +15,7 @@ from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kind_numbers import BOX, HULL, TRIANGLE
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 from kickdrift.world.shapes.mesh import Mesh
 
 UNHURRIED = settings(deadline=None)  # the first example compiles

@@ -19,7 +19,7 @@ from kickdrift.world.collision.bvh_ray_cast import NOTHING, WALK, advance, recip
 from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
 from kickdrift.world.collision.shape_properties import describe_kinds, find_extents
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, RADIUS, SHAPE_KIND, STATIC
-from kickdrift.world.queries import SpatialQueries
+from kickdrift.world.query_api import SpatialQueries
 from kickdrift.world.settings import GRAVITY, MARGIN
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, HULL, MESH, PLANE, SPHERE, TRIANGLE

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 
 G, STEP = 9.81, 1 / 240
 GROUND = ["plane", "box"]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull, QhullError
 
 from kickdrift.world.shapes.kind_numbers import BOX, CAPSULE, HULL, PLANE, SPHERE, TRIANGLE
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 from kickdrift.world.shapes.polyhedron import HEADER, LOOPS_AT, PLANES_AT, polyhedron_numbers
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kickdrift.world.shapes.kind_numbers import CAPSULE, CONE, CYLINDER, SPHERE, TRIANGLE
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 LYING = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # z turned into x

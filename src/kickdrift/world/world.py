@@ -29,7 +29,7 @@ from kickdrift.world.forces import AppliesForces
 from kickdrift.world.joints.adding import AddsJoints
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.queries import SpatialQueries
+from kickdrift.world.query_api import SpatialQueries
 from kickdrift.world.recordings.recording_api import KeepsHistory
 from kickdrift.world.recordings.recording_rows import Recorder
 from kickdrift.world.snapshot import Snapshot

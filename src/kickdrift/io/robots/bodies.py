@@ -12,7 +12,7 @@ from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import Placed
 from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, KINEMATIC, STATIC
 from kickdrift.world.shapes.hull import Hull
-from kickdrift.world.shapes.mass import Mass, summed
+from kickdrift.world.shapes.mass_properties import Mass, summed
 from kickdrift.world.tables import RESTED
 from kickdrift.world.world import World
 

@@ -13,7 +13,7 @@ from kickdrift.io.robots.rotors import add_rotor
 from kickdrift.world.joints.axis_options import Axis
 from kickdrift.world.joints.record import Record
 from kickdrift.world.layout import DYNAMIC
-from kickdrift.world.shapes.mass import Mass
+from kickdrift.world.shapes.mass_properties import Mass
 
 Floats = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.argument_checks import choice, number, unit_quaternion, vector
+from kickdrift.world.bodies.body_mass import mass_properties_of
 from kickdrift.world.bodies.handle import Body
-from kickdrift.world.bodies.mass_properties import mass_properties_of
 from kickdrift.world.bodies.part import Part, surface_of
 from kickdrift.world.bodies.registry import GROUND, Bodies
 from kickdrift.world.bodies.shape_rows import Placed, ShapeRows, Surface
@@ -21,7 +21,7 @@ from kickdrift.world.collision.filters import forget
 from kickdrift.world.events import forget_contacts
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, KINEMATIC, STATIC
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 from kickdrift.world.shapes.record import Shape
 from kickdrift.world.tables import MOTION, RESTED, Tables
 from kickdrift.world.world_lock import undivided

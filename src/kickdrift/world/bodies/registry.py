@@ -13,7 +13,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.collision.broad_phase_state import shapes_changed
-from kickdrift.world.contacts.warm_start_scaling import scale_impulses
+from kickdrift.world.contacts.mass_update import scale_impulses
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
     AWAKE,
@@ -40,7 +40,7 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.names import Names
 from kickdrift.world.settings import PLANE_NORMAL
-from kickdrift.world.shapes.mass import Mass, checked_inertia
+from kickdrift.world.shapes.mass_properties import Mass, checked_inertia
 from kickdrift.world.tables import (
     BODY,
     COLOURED,

@@ -14,7 +14,7 @@ from kickdrift.world.cloth.fabric import Fabric
 from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.material import material_of
 from kickdrift.world.cloth.mesh import MOST_VERTICES, cloth_mesh, grid
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 
 
 class AddsCloths(AddsDeformables):

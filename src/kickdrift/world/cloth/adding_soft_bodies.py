@@ -15,7 +15,7 @@ from kickdrift.world.cloth.mesh import MOST_VERTICES
 from kickdrift.world.cloth.soft_body import SoftBody
 from kickdrift.world.cloth.soft_material import SoftMaterial
 from kickdrift.world.cloth.tetrahedra import box_mesh, tetrahedral_mesh
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 
 
 class AddsSoftBodies(AddsDeformables):

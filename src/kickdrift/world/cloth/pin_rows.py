@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, POSITION, VELOCITY
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 from kickdrift.world.tables import CLOTH, MOTION, PARTICLE, PIN, PIN_NUMBERS, POSE, Tables
 
 Floats = NDArray[np.float64]

@@ -25,7 +25,7 @@ from kickdrift.world.collision.shape_properties import find_extents
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, LAYER, SHAPE_KIND
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.kind_numbers import BOX, SPHERE
-from kickdrift.world.shapes.mass import rotation_matrix
+from kickdrift.world.shapes.mass_properties import rotation_matrix
 from kickdrift.world.shapes.record import RAY
 from kickdrift.world.shapes.shape_kinds import KINDS, RAYS, met_as
 from kickdrift.world.shapes.sphere import Sphere

@@ -24,7 +24,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.planar_contacts import flatten_contact
-from kickdrift.world.contacts.rolling_cores import RollingCore, radius_at, rolling_core, rolls
+from kickdrift.world.contacts.round_cores import RollingCore, radius_at, rolling_core, rolls
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,

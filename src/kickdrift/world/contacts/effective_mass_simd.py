@@ -1,7 +1,7 @@
 """Arms, effective masses and gaps of constraints, in lanes, for the present poses of bodies.
 
 `refresh` is the only place that computes arms and effective masses. Points turn with their bodies; for round shapes the core
-does (`kickdrift.world.contacts.rolling_cores`), and the radius stays along the normal, so that spinning about the core does not
+does (`kickdrift.world.contacts.round_cores`), and the radius stays along the normal, so that spinning about the core does not
 turn the contact, and rolling does not open it. Both arms end at one point, which conserves momentum and angular momentum.
 """
 
@@ -10,6 +10,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.lane_vectors import NEXT, W, put, vector
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
     DELTA_POSE_B,
@@ -23,16 +24,12 @@ from kickdrift.world.contacts.prepare_simd import (
     VELOCITY_B,
     away,
     bend_of,
-    put,
     response_to,
     turned,
-    vector,
 )
 
-W = c.WIDTH
 # Factors by which turns about the normal and slides count more than tilts in deciding whether arms are kept
 TWIST_STRICTNESS, SLIP_STRICTNESS = 50.0, 2.0
-_NEXT = c.POINT_FIELDS * W  # from a field of a point to the same of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 
@@ -44,21 +41,21 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
     an approach end at two points, and friction would change the angular momentum.
     """
     for lane in range(n):
-        nx, ny, nz = vector(own, c.N * W + lane)
-        ax, ay, az = vector(s, (DELTA_POSE_A + 3) * W + lane)
-        bx, by, bz = vector(s, (DELTA_POSE_B + 3) * W + lane)
-        x, y, z = vector(own, c.REFERENCE * W + lane)
+        nx, ny, nz = vector(own, c.N, lane)
+        ax, ay, az = vector(s, DELTA_POSE_A + 3, lane)
+        bx, by, bz = vector(s, DELTA_POSE_B + 3, lane)
+        x, y, z = vector(own, c.REFERENCE, lane)
         ax, ay, az = ax - x, ay - y, az - z
-        x, y, z = vector(own, (c.REFERENCE + 3) * W + lane)
+        x, y, z = vector(own, c.REFERENCE + 3, lane)
         bx, by, bz = bx - x, by - y, bz - z
-        dx, dy, dz = vector(s, DELTA_POSE_B * W + lane)
-        x, y, z = vector(s, DELTA_POSE_A * W + lane)
+        dx, dy, dz = vector(s, DELTA_POSE_B, lane)
+        x, y, z = vector(s, DELTA_POSE_A, lane)
         dx, dy, dz = dx - x, dy - y, dz - z
-        x, y, z = vector(own, (c.REFERENCE + 6) * W + lane)
+        x, y, z = vector(own, c.REFERENCE + 6, lane)
         dx, dy, dz = dx - x, dy - y, dz - z
-        x, y, z = vector(own, c.CENTRE * W + lane)
+        x, y, z = vector(own, c.CENTRE, lane)
         dx, dy, dz = dx - (ay * z - az * y), dy - (az * x - ax * z), dz - (ax * y - ay * x)
-        px, py, pz = vector(own, c.BETWEEN * W + lane)
+        px, py, pz = vector(own, c.BETWEEN, lane)
         x, y, z = x - px, y - py, z - pz
         dx, dy, dz = dx + (by * z - bz * y), dy + (bz * x - bx * z), dz + (bx * y - by * x)
         along = nx * dx + ny * dy + nz * dz
@@ -78,19 +75,19 @@ def _refresh_point(
     own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, rounds: Any, sums: Any
 ) -> Any:
     """Recompute arm, effective mass and, if h > 0, the gap of a point; return the weighted sum of positions so far."""
-    nx, ny, nz = vector(own, c.N * W + lane)
+    nx, ny, nz = vector(own, c.N, lane)
     weight, sx, sy, sz = sums
     there = 1.0 if own[c.COUNT * W + lane] > k else 0.0
-    dx, dy, dz = vector(s, FROM_A_TO_B * W + lane)
+    dx, dy, dz = vector(s, FROM_A_TO_B, lane)
     n = (nx, ny, nz)
     ((px, py, pz), _, bend_a), ((qx, qy, qz), _, bend_b) = rounds
     radius = own[at + c.RADII * W]
-    x, y, z = vector(own, at)
+    x, y, z = vector(own, 0, at)
     x, y, z = turned(s, TURNED_A * W + lane, x, y, z)
     bend = bend_of(s, (VELOCITY_A + 3) * W + lane, n, x, y, z) + radius * bend_a
     ax, ay, az = x + radius * px, y + radius * py, z + radius * pz
     radius = own[at + (c.RADII + 1) * W]
-    x, y, z = vector(own, at + c.ANCHOR_B * W)
+    x, y, z = vector(own, c.ANCHOR_B, at)
     x, y, z = turned(s, TURNED_B * W + lane, x, y, z)
     bend = bend_of(s, (VELOCITY_B + 3) * W + lane, n, x, y, z) - radius * bend_b - bend
     bx, by, bz = x + dx - radius * qx - ax, y + dy - radius * qy - ay, z + dz - radius * qz - az
@@ -103,18 +100,18 @@ def _refresh_point(
     response = own[c.MASS_A * W + lane] + own[c.MASS_B * W + lane]
     response += response_to(s, INERTIA_A * W + lane, ux, uy, uz, ux, uy, uz)
     response += response_to(s, INERTIA_B * W + lane, vx, vy, vz, vx, vy, vz)
-    ax, ay, az = vector(s, DELTA_POSE_A * W + lane)
-    bx, by, bz = vector(s, DELTA_POSE_B * W + lane)
+    ax, ay, az = vector(s, DELTA_POSE_A, lane)
+    bx, by, bz = vector(s, DELTA_POSE_B, lane)
     linear = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
-    ax, ay, az = vector(s, (DELTA_POSE_A + 3) * W + lane)
-    bx, by, bz = vector(s, (DELTA_POSE_B + 3) * W + lane)
+    ax, ay, az = vector(s, DELTA_POSE_A + 3, lane)
+    bx, by, bz = vector(s, DELTA_POSE_B + 3, lane)
     linear += vx * bx + vy * by + vz * bz - ux * ax - uy * ay - uz * az
     anew = s[MARK * W + lane] > 0.0
     old = own[i + c.GAP * W]
     own[i + c.GAP * W] = gap - linear + 0.5 * h * h * bend if anew & (h > 0.0) else old
-    x, y, z = vector(own, i)
+    x, y, z = vector(own, 0, i)
     x, y, z = there * ux if anew else x, there * uy if anew else y, there * uz if anew else z
-    put(own, i, x, y, z)
+    put(own, 0, i, x, y, z)
     old = own[i + c.POINT_MASS * W]
     own[i + c.POINT_MASS * W] = there / (response + 1e-300) if anew else old
     # Touching points carry the friction, and the centre must not jump when a distant one appears or disappears.
@@ -125,7 +122,7 @@ def _refresh_point(
 @compiled(fast=True, inline=True)
 def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: float, cz: float) -> float:
     """Return the distance of a point from the centre of the contact in its plane; arms are products with the normal."""
-    ax, ay, az = vector(own, i + c.ARM * W)
+    ax, ay, az = vector(own, c.ARM, i)
     bx, by, bz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
     return math.sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by) + (az - bz) * (az - bz))
 
@@ -136,45 +133,45 @@ def refresh(own: Any, s: Any, slop: float, h: float, none: float, n: int) -> Non
     for lane in range(n):
         sums = (0.0, 0.0, 0.0, 0.0)
         i, at = c.P * W + lane, _ANCHORS + lane
-        normal = vector(own, c.N * W + lane)
-        x, y, z = vector(own, c.AXES * W + lane)
+        normal = vector(own, c.N, lane)
+        x, y, z = vector(own, c.AXES, lane)
         x, y, z = turned(s, TURNED_A * W + lane, x, y, z)
         round_a = away(s, (VELOCITY_A + 3) * W + lane, normal, x, y, z)
-        x, y, z = vector(own, (c.AXES + 3) * W + lane)
+        x, y, z = vector(own, c.AXES + 3, lane)
         x, y, z = turned(s, TURNED_B * W + lane, x, y, z)
         rounds = (round_a, away(s, (VELOCITY_B + 3) * W + lane, normal, x, y, z))
         sums = _refresh_point(own, s, lane, i, at, 0.5, slop, h, rounds, sums)
-        sums = _refresh_point(own, s, lane, i + _NEXT, at + _ANCHOR, 1.5, slop, h, rounds, sums)
-        sums = _refresh_point(own, s, lane, i + 2 * _NEXT, at + 2 * _ANCHOR, 2.5, slop, h, rounds, sums)
-        sums = _refresh_point(own, s, lane, i + 3 * _NEXT, at + 3 * _ANCHOR, 3.5, slop, h, rounds, sums)
+        sums = _refresh_point(own, s, lane, i + NEXT, at + _ANCHOR, 1.5, slop, h, rounds, sums)
+        sums = _refresh_point(own, s, lane, i + 2 * NEXT, at + 2 * _ANCHOR, 2.5, slop, h, rounds, sums)
+        sums = _refresh_point(own, s, lane, i + 3 * NEXT, at + 3 * _ANCHOR, 3.5, slop, h, rounds, sums)
         weight, cx, cy, cz = sums
         scale = 1.0 / (weight + 1e-300)
         cx, cy, cz = cx * scale, cy * scale, cz * scale
         anew = s[MARK * W + lane] > 0.0
-        x, y, z = vector(own, c.CENTRE * W + lane)
+        x, y, z = vector(own, c.CENTRE, lane)
         cx, cy, cz = cx if anew else x, cy if anew else y, cz if anew else z
-        put(own, c.CENTRE * W + lane, cx, cy, cz)
-        x, y, z = vector(own, c.BETWEEN * W + lane)
-        px, py, pz = vector(s, FROM_A_TO_B * W + lane)
+        put(own, c.CENTRE, lane, cx, cy, cz)
+        x, y, z = vector(own, c.BETWEEN, lane)
+        px, py, pz = vector(s, FROM_A_TO_B, lane)
         px, py, pz = px if anew else x, py if anew else y, pz if anew else z
-        put(own, c.BETWEEN * W + lane, px, py, pz)
+        put(own, c.BETWEEN, lane, px, py, pz)
 
 
 @compiled(fast=True)
 def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float, n: int) -> None:
     """Recompute effective masses of friction, torsion and rolling resistance in the marked lanes, after `refresh`."""
     for lane in range(n):
-        nx, ny, nz = vector(own, c.N * W + lane)
-        ux, uy, uz = vector(own, c.T * W + lane)
+        nx, ny, nz = vector(own, c.N, lane)
+        ux, uy, uz = vector(own, c.T, lane)
         vx, vy, vz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
-        ax, ay, az = vector(own, c.CENTRE * W + lane)
-        bx, by, bz = vector(own, c.BETWEEN * W + lane)
+        ax, ay, az = vector(own, c.CENTRE, lane)
+        bx, by, bz = vector(own, c.BETWEEN, lane)
         bx, by, bz = ax - bx, ay - by, az - bz
         i = c.P * W + lane
         own[i + c.LEVER * W] = _lever(own, i, nx, ny, nz, ax, ay, az)
-        own[i + _NEXT + c.LEVER * W] = _lever(own, i + _NEXT, nx, ny, nz, ax, ay, az)
-        own[i + 2 * _NEXT + c.LEVER * W] = _lever(own, i + 2 * _NEXT, nx, ny, nz, ax, ay, az)
-        own[i + 3 * _NEXT + c.LEVER * W] = _lever(own, i + 3 * _NEXT, nx, ny, nz, ax, ay, az)
+        own[i + NEXT + c.LEVER * W] = _lever(own, i + NEXT, nx, ny, nz, ax, ay, az)
+        own[i + 2 * NEXT + c.LEVER * W] = _lever(own, i + 2 * NEXT, nx, ny, nz, ax, ay, az)
+        own[i + 3 * NEXT + c.LEVER * W] = _lever(own, i + 3 * NEXT, nx, ny, nz, ax, ay, az)
         k11 = own[c.MASS_A * W + lane] + own[c.MASS_B * W + lane]
         k22, k12 = k11, 0.0
         px, py, pz = ay * uz - az * uy, az * ux - ax * uz, ax * uy - ay * ux
@@ -194,21 +191,21 @@ def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float,
         # The mean of the three inverse moments of inertia: one number for every axis of rolling.
         trace = s[i] + s[i + W] + s[i + 2 * W] + s[j] + s[j + W] + s[j + 2 * W]
         anew = s[MARK * W + lane] > 0.0
-        x, y, z = vector(own, c.GRIP * W + lane)
+        x, y, z = vector(own, c.GRIP, lane)
         x, y, z = k22 * scale if anew else x, k11 * scale if anew else y, -k12 * scale if anew else z
-        put(own, c.GRIP * W + lane, x, y, z)
+        put(own, c.GRIP, lane, x, y, z)
         x, y = own[c.TWIST_MASS * W + lane], own[c.ROLL_MASS * W + lane]
         own[c.TWIST_MASS * W + lane] = 1.0 / (spin + 1e-300) if anew else x
         own[c.ROLL_MASS * W + lane] = 3.0 / (trace + 1e-300) if anew else y
-        ax, ay, az = vector(s, (DELTA_POSE_A + 3) * W + lane)
-        x, y, z = vector(own, c.REFERENCE * W + lane)
-        put(own, c.REFERENCE * W + lane, ax if anew else x, ay if anew else y, az if anew else z)
-        ax, ay, az = vector(s, (DELTA_POSE_B + 3) * W + lane)
-        x, y, z = vector(own, (c.REFERENCE + 3) * W + lane)
-        put(own, (c.REFERENCE + 3) * W + lane, ax if anew else x, ay if anew else y, az if anew else z)
-        ax, ay, az = vector(s, DELTA_POSE_A * W + lane)
-        bx, by, bz = vector(s, DELTA_POSE_B * W + lane)
-        x, y, z = vector(own, (c.REFERENCE + 6) * W + lane)
+        ax, ay, az = vector(s, DELTA_POSE_A + 3, lane)
+        x, y, z = vector(own, c.REFERENCE, lane)
+        put(own, c.REFERENCE, lane, ax if anew else x, ay if anew else y, az if anew else z)
+        ax, ay, az = vector(s, DELTA_POSE_B + 3, lane)
+        x, y, z = vector(own, c.REFERENCE + 3, lane)
+        put(own, c.REFERENCE + 3, lane, ax if anew else x, ay if anew else y, az if anew else z)
+        ax, ay, az = vector(s, DELTA_POSE_A, lane)
+        bx, by, bz = vector(s, DELTA_POSE_B, lane)
+        x, y, z = vector(own, c.REFERENCE + 6, lane)
         bx, by, bz = bx - ax, by - ay, bz - az
-        put(own, (c.REFERENCE + 6) * W + lane, bx if anew else x, by if anew else y, bz if anew else z)
+        put(own, c.REFERENCE + 6, lane, bx if anew else x, by if anew else y, bz if anew else z)
         own[c.REFRESHED * W + lane] = max(own[c.REFRESHED * W + lane], moved * s[MARK * W + lane])

@@ -85,7 +85,7 @@ IMPULSE = _CONSTRAINT_POINT.field(1, "N s")
 LEVER = _CONSTRAINT_POINT.field(1, "m")  # distance from the centre
 POINT_FIELDS = _CONSTRAINT_POINT.close()
 
-# Of a point, when the step began; of a round shape its core, see `kickdrift.world.contacts.rolling_cores`
+# Of a point, when the step began; of a round shape its core, see `kickdrift.world.contacts.round_cores`
 _ANCHOR = Fields()
 ANCHOR_A = _ANCHOR.field(3, "m")  # from the centres of mass of both bodies
 ANCHOR_B = _ANCHOR.field(3, "m")

@@ -11,8 +11,8 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import Fields
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.lane_vectors import NEXT, W, put, vector
 
-W = c.WIDTH
 # Fields of raw
 _RAW = Fields()
 NORMAL = _RAW.field(3)  # in the world's axes
@@ -55,20 +55,7 @@ TURNED_B = _SCRATCH.field(4)
 FROM_A_TO_B = _SCRATCH.field(3, "m")
 MARK = _SCRATCH.field()  # 1.0 where arms are to be recomputed
 SCRATCH_SIZE = _SCRATCH.close() * W
-_NEXT = c.POINT_FIELDS * W  # distance from a field of a point to the same field of the next
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
-
-
-@compiled(fast=True, inline=True)
-def vector(array: Any, i: int) -> tuple[float, float, float]:
-    """Return three fields, the first at i."""
-    return array[i], array[i + W], array[i + 2 * W]
-
-
-@compiled(fast=True, inline=True)
-def put(array: Any, i: int, x: float, y: float, z: float) -> None:
-    """Overwrite three fields, the first at i."""
-    array[i], array[i + W], array[i + 2 * W] = x, y, z
 
 
 @compiled(fast=True, inline=True)
@@ -130,18 +117,18 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float
 
     Sweeps assume that the speed of a gap is constant within the substep h; the gap includes the second-order term of rotation.
     """
-    nx, ny, nz = vector(raw, NORMAL * W + lane)
-    ox, oy, oz = vector(raw, ARM_A * W + lane)
-    x, y, z = vector(raw, j)
+    nx, ny, nz = vector(raw, NORMAL, lane)
+    ox, oy, oz = vector(raw, ARM_A, lane)
+    x, y, z = vector(raw, 0, j)
     x, y, z = turned(raw, TURN_A * W + lane, x, y, z)
     ax, ay, az = x + ox, y + oy, z + oz
-    put(own, at, ax, ay, az)
-    ox, oy, oz = vector(raw, ARM_B * W + lane)
-    x, y, z = vector(raw, j + 3 * W)
+    put(own, 0, at, ax, ay, az)
+    ox, oy, oz = vector(raw, ARM_B, lane)
+    x, y, z = vector(raw, 3, j)
     x, y, z = turned(raw, TURN_B * W + lane, x, y, z)
     bx, by, bz = x + ox, y + oy, z + oz
-    put(own, at + 3 * W, bx, by, bz)
-    dx, dy, dz = vector(raw, APART * W + lane)
+    put(own, 3, at, bx, by, bz)
+    dx, dy, dz = vector(raw, APART, lane)
     gap = nx * (bx + dx - ax) + ny * (by + dy - ay) + nz * (bz + dz - az)
     n = (nx, ny, nz)
     bend = bend_of(raw, TURNING_B * W + lane, n, bx, by, bz) - bend_of(raw, TURNING_A * W + lane, n, ax, ay, az)
@@ -157,42 +144,42 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
     """Write all fields of the constraints of a group except those that `refresh` computes; h is the substep, s."""
     for lane in range(count):
         i, j, at = c.P * W + lane, ON_A * W + lane, _ANCHORS + lane
-        n = vector(raw, NORMAL * W + lane)
-        x, y, z = vector(raw, AXIS_A * W + lane)
-        put(own, c.AXES * W + lane, x, y, z)
+        n = vector(raw, NORMAL, lane)
+        x, y, z = vector(raw, AXIS_A, lane)
+        put(own, c.AXES, lane, x, y, z)
         round_a = away(raw, TURNING_A * W + lane, n, x, y, z)
-        x, y, z = vector(raw, AXIS_B * W + lane)
-        put(own, (c.AXES + 3) * W + lane, x, y, z)
+        x, y, z = vector(raw, AXIS_B, lane)
+        put(own, c.AXES + 3, lane, x, y, z)
         round_b = away(raw, TURNING_B * W + lane, n, x, y, z)
         _fill_point(own, raw, lane, j, i, at, h, round_a, round_b)
-        _fill_point(own, raw, lane, j + _ANCHOR, i + _NEXT, at + _ANCHOR, h, round_a, round_b)
-        _fill_point(own, raw, lane, j + 2 * _ANCHOR, i + 2 * _NEXT, at + 2 * _ANCHOR, h, round_a, round_b)
-        _fill_point(own, raw, lane, j + 3 * _ANCHOR, i + 3 * _NEXT, at + 3 * _ANCHOR, h, round_a, round_b)
+        _fill_point(own, raw, lane, j + _ANCHOR, i + NEXT, at + _ANCHOR, h, round_a, round_b)
+        _fill_point(own, raw, lane, j + 2 * _ANCHOR, i + 2 * NEXT, at + 2 * _ANCHOR, h, round_a, round_b)
+        _fill_point(own, raw, lane, j + 3 * _ANCHOR, i + 3 * NEXT, at + 3 * _ANCHOR, h, round_a, round_b)
         i += c.IMPULSE * W
-        own[i], own[i + _NEXT] = raw[IMPULSE * W + lane], raw[(IMPULSE + 1) * W + lane]
-        own[i + 2 * _NEXT], own[i + 3 * _NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
+        own[i], own[i + NEXT] = raw[IMPULSE * W + lane], raw[(IMPULSE + 1) * W + lane]
+        own[i + 2 * NEXT], own[i + 3 * NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
         own[c.SHARE * W + lane], own[c.COUNT * W + lane] = raw[SHARE * W + lane], raw[COUNT * W + lane]
         own[c.MOST_TURN * W + lane], own[c.MOST_SLIDE * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
         own[c.REFRESHED * W + lane], own[c.BOUNCE_THRESHOLD * W + lane] = 0.0, 1e300
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]
-        x, y, z = vector(raw, SOFTNESS * W + lane)
-        put(own, c.BIAS_RATE * W + lane, x, y, z)
-        nx, ny, nz = vector(raw, NORMAL * W + lane)
-        put(own, c.N * W + lane, nx, ny, nz)
+        x, y, z = vector(raw, SOFTNESS, lane)
+        put(own, c.BIAS_RATE, lane, x, y, z)
+        nx, ny, nz = vector(raw, NORMAL, lane)
+        put(own, c.N, lane, nx, ny, nz)
         # A tangent perpendicular to the normal, and to z unless the normal is close to it.
         low = 1.0 if abs(nz) < 0.7 else 0.0
         ux, uy, uz = -low * ny, low * nx - (1.0 - low) * nz, (1.0 - low) * ny
         scale = 1.0 / math.sqrt(ux * ux + uy * uy + uz * uz + 1e-300)
         ux, uy, uz = ux * scale, uy * scale, uz * scale
-        put(own, c.T * W + lane, ux, uy, uz)
+        put(own, c.T, lane, ux, uy, uz)
         vx, vy, vz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
         own[c.FRICTION * W + lane] = raw[FRICTION * W + lane]
-        x, y, z = vector(raw, SURFACE_SLIP * W + lane)
+        x, y, z = vector(raw, SURFACE_SLIP, lane)
         own[c.SURFACE_SPEED * W + lane], own[(c.SURFACE_SPEED + 1) * W + lane] = (
             ux * x + uy * y + uz * z,
             vx * x + vy * y + vz * z,
         )
-        x, y, z = vector(raw, FRICTION_IMPULSE * W + lane)
+        x, y, z = vector(raw, FRICTION_IMPULSE, lane)
         own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane] = (
             ux * x + uy * y + uz * z,
             vx * x + vy * y + vz * z,
@@ -201,5 +188,5 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
             raw[TWISTED * W + lane],
             raw[RESISTANCE * W + lane],
         )
-        x, y, z = vector(raw, ROLLED * W + lane)
-        put(own, c.ROLL_IMPULSE * W + lane, x, y, z)
+        x, y, z = vector(raw, ROLLED, lane)
+        put(own, c.ROLL_IMPULSE, lane, x, y, z)

@@ -12,8 +12,8 @@ from kickdrift.core.kinds import Kind
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
 from kickdrift.engine.invariants import Invariants
-from kickdrift.world.constraint_error import widest_gap
 from kickdrift.world.contact_points import contact_points, deepest_overlap
+from kickdrift.world.joint_gaps import widest_gap
 from kickdrift.world.recordings.appearance import DrawnCloth, appearance
 from kickdrift.world.recordings.recorded_cloths import RecordedCloths
 from kickdrift.world.recordings.recording import Recording

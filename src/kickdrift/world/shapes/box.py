@@ -15,7 +15,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Quaternion, Vector
 from kickdrift.world.shapes.extents import Extent, symmetric, turned_extents
 from kickdrift.world.shapes.kind_numbers import BOX
-from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.mass_properties import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead
 from kickdrift.world.shapes.record import SOLID, Kind
 

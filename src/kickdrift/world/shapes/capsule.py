@@ -11,7 +11,7 @@ from kickdrift.core.vectors import Quaternion, Vector, length, minus, times, tur
 from kickdrift.world.shapes.closest_points import along, clamped
 from kickdrift.world.shapes.extents import Extent, symmetric
 from kickdrift.world.shapes.kind_numbers import CAPSULE
-from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.mass_properties import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball, through_cylinder
 from kickdrift.world.shapes.record import CENTRE, GLOSSY, SOLID, Kind
 

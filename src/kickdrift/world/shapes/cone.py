@@ -8,7 +8,7 @@ import numpy as np
 
 from kickdrift.world.shapes.frustum import frustum_extent, ray_frustum
 from kickdrift.world.shapes.kind_numbers import CONE
-from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.mass_properties import Array, MassProperties, extent
 from kickdrift.world.shapes.record import AXIS, CREASED, GLOSSY, SOLID, Kind
 
 

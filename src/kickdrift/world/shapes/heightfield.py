@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kind_numbers import HEIGHT_FIELD
-from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties, extent
+from kickdrift.world.shapes.mass_properties import LARGEST, Array, MassProperties, extent
 from kickdrift.world.shapes.mesh import Mesh
 from kickdrift.world.shapes.record import SURFACE, Kind
 from kickdrift.world.shapes.triangle import surface_extent

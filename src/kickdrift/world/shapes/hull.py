@@ -17,7 +17,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Quaternion, Vector, dot
 from kickdrift.world.shapes.extents import Extent, around
 from kickdrift.world.shapes.kind_numbers import HULL
-from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.mass_properties import Array, MassProperties, extent
 from kickdrift.world.shapes.polyhedron import FACES, HEADER, MOST_VERTICES, VERTICES, plane, polyhedron_numbers
 from kickdrift.world.shapes.rays import MISS, Hit, ahead
 from kickdrift.world.shapes.record import SOLID, Kind

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.arguments import reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.shapes.kind_numbers import MESH
-from kickdrift.world.shapes.mass import LARGEST, Array, MassProperties
+from kickdrift.world.shapes.mass_properties import LARGEST, Array, MassProperties
 from kickdrift.world.shapes.record import SURFACE, Kind
 from kickdrift.world.shapes.triangle import surface_extent
 

@@ -10,7 +10,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.vectors import Vector
 from kickdrift.world.shapes.kind_numbers import PLANE
-from kickdrift.world.shapes.mass import Array, MassProperties
+from kickdrift.world.shapes.mass_properties import Array, MassProperties
 from kickdrift.world.shapes.rays import MISS, Hit, ahead
 from kickdrift.world.shapes.record import GROUND, HALF_SPACE, Kind
 

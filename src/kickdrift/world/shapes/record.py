@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import Function
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.shapes.mass import MassProperties
+from kickdrift.world.shapes.mass_properties import MassProperties
 
 Floats = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ SURFACE = 1  # of triangles, each of which forms its own contacts
 HALF_SPACE = 2  # below the plane z = 0; without finite bounds
 TRIANGLE_OF_SURFACE = 3  # the part of a surface, not a shape of users
 
-# Cores, to which the contact points of round shapes are attached while they roll; see `kickdrift.world.contacts.rolling_cores`
+# Cores, to which the contact points of round shapes are attached while they roll; see `kickdrift.world.contacts.round_cores`
 NO_CORE = 0  # points are fixed in the body
 CENTRE = 1  # a point or a segment, at a distance that is the first of the shape's numbers
 AXIS = 2  # the z axis of a solid of revolution

@@ -11,7 +11,7 @@ from kickdrift.core.vectors import Quaternion, Vector, times
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.extents import Extent
 from kickdrift.world.shapes.kind_numbers import SPHERE
-from kickdrift.world.shapes.mass import Array, MassProperties, extent
+from kickdrift.world.shapes.mass_properties import Array, MassProperties, extent
 from kickdrift.world.shapes.rays import MISS, Hit, ahead, through_ball
 from kickdrift.world.shapes.record import BALL, CENTRE, GLOSSY, SOLID, Kind
 

@@ -1,4 +1,4 @@
-"""Constraint errors of joints."""
+"""Gaps at joints."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.argument_checks import number, vector
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.shapes.mass import Mass, checked_inertia, combined, placed
+from kickdrift.world.shapes.mass_properties import Mass, checked_inertia, combined, placed
 from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.shapes.shape_kinds import kind_of
 
