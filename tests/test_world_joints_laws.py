@@ -481,6 +481,25 @@ def test_a_ball_on_a_plank_that_joints_hold_keeps_the_square_of_e_of_its_energy(
         assert left == pytest.approx(restitution**2 * 9.81 * height, rel=0.01)
 
 
+@pytest.mark.parametrize("joint", ["add_hinge", "add_slider"])
+def test_a_ball_bounces_off_a_plank_on_its_limit_as_off_a_floor(joint):
+    """With limits that did nothing in impacts, balls that were not far lighter than the plank lost up to all of their speed."""
+    rng = np.random.default_rng(3)
+    axis = (0, -1, 0) if joint == "add_hinge" else (0, 0, 1)
+    for _ in range(12):
+        world, height, restitution = World(), rng.uniform(0.1, 1.5), rng.uniform(0.2, 1.0)
+        plank = world.add_box((1, 1, 0.1), mass=rng.uniform(0.5, 50.0))
+        getattr(world, joint)(None, plank, (-0.5, 0, 0), axis=axis, limits=(0.0, 0.5))
+        world.advance(STEP, 20)
+        place = (rng.uniform(-0.3, 0.45), rng.uniform(-0.4, 0.4), 0.15 + height)
+        ball = world.add_sphere(0.1, position=place, mass=rng.uniform(0.2, 5.0), restitution=restitution)
+        while ball.velocity[2] <= 0.0:
+            world.step(STEP)
+        left = 0.5 * ball.velocity[2] ** 2 + 9.81 * (ball.position[2] - 0.15)
+        assert left == pytest.approx(restitution**2 * 9.81 * height, rel=1e-3)
+        assert np.abs(plank.position).max() < 1e-9
+
+
 @pytest.mark.parametrize("restitution", [0.5, 0.8, 1.0])
 def test_a_rod_on_a_hinge_that_falls_on_its_tip_keeps_the_square_of_e_of_its_energy(restitution):
     """Within 3 %, at heights that differ; without the way that is left at the impact, it kept up to 11 % too much."""
@@ -502,3 +521,29 @@ def test_a_rod_on_a_hinge_that_falls_on_its_tip_keeps_the_square_of_e_of_its_ene
             world.step(1 / 60)
         left = world.energy().kinetic + 9.81 * (rod.position[2] - radius)
         assert left == pytest.approx(restitution**2 * 9.81 * height, rel=0.03)
+
+
+def test_a_rod_on_a_hinge_at_the_floor_keeps_its_energy_over_many_bounces():
+    """Its end at the hinge presses on the floor now and then. With whole kicks then, it lost 8 to 18 % in as many bounces."""
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        world, radius, length, angle = World(), 0.03, rng.uniform(0.3, 2.0), rng.uniform(0.3, 1.1)
+        world.add_plane(restitution=1.0, friction=0.0)
+        middle = np.pi / 4 - angle / 2
+        rod = world.add_capsule(
+            radius,
+            length,
+            position=(length / 2 * np.cos(angle), 0, radius + length / 2 * np.sin(angle)),
+            orientation=(np.cos(middle), 0, np.sin(middle), 0),
+            restitution=1.0,
+            friction=0.0,
+            mass=rng.uniform(0.1, 10.0),
+        )
+        world.add_hinge(None, rod, anchor=(0, 0, radius), axis=(0, -1, 0))
+        rest = rod.mass * 9.81 * radius
+        before = world.energy().total - rest
+        energies = []
+        for _ in range(240):
+            world.step(STEP)
+            energies.append((world.energy().total - rest) / before)
+        assert energies == pytest.approx(np.ones(240), abs=1e-3)

@@ -10,9 +10,9 @@ from kickdrift.world.direct.contact_impulses import give_contacts, predict_conta
 from kickdrift.world.direct.contact_states import (
     BOUNCE,
     BOUNCE_FRICTION,
-    PRESS,
     bounds_hold,
     fix_contacts,
+    phase_of,
     update_contact_states,
 )
 from kickdrift.world.direct.factorisation import factor
@@ -169,8 +169,6 @@ def refine(world: int, island: int, task: int, touched: bool) -> float:
         if left > noticed and own[HAS_JOINTS] != 0 and task < BOUNCE:
             noticed = max(noticed, _NOTICED_PART * inner_speed(world, island, MOTION))
         worst = max(worst, REFINED / noticed * left)
-    if task >= BOUNCE:
-        return worst
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         link = order[place, 0]
         if joints[links[link, LINK_JOINT], LAWS] != 0:
@@ -212,10 +210,8 @@ def review(world: int, island: int, h: float, task: int, first: bool, afresh: bo
     joints, settled = integers(world, JOINT), True
     if touched:
         settled = update_contact_states(world, island, task, first and afresh, whole)
-    if task >= BOUNCE:
-        return settled  # laws of joints are forces, which do nothing in an instant
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = update_law_states(world, joint, order[place, 0], h, task != PRESS, first) and settled
+            settled = update_law_states(world, joint, order[place, 0], h, phase_of(task), first) and settled
     return settled

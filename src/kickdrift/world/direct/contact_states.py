@@ -48,6 +48,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
+from kickdrift.world.joints.axis_laws import AFTER_DRIFT, BEFORE_DRIFT, IN_IMPACT
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, SETTINGS, Table, floats, integers
 
@@ -61,6 +62,12 @@ PRESS = 0
 REST = 1  # touching points do not approach
 BOUNCE = 2  # points that hit leave with the speed of restitution, without friction
 BOUNCE_FRICTION = 3  # friction of a bounce, which acts on the part of the motion that restitution leaves alone
+
+
+@compiled(inline=True, cached=False, fast=True)
+def phase_of(task: int) -> int:
+    """Return when the laws of joints act in a task."""
+    return BEFORE_DRIFT if task == PRESS else AFTER_DRIFT if task == REST else IN_IMPACT
 
 
 @compiled(cached=False, fast=True)

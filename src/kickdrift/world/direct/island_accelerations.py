@@ -3,62 +3,38 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.direct.active_set import aim_island, solve
-from kickdrift.world.direct.contact_lookup import bodies_of, constraint
+from kickdrift.world.direct.contact_impulses import push_row
+from kickdrift.world.direct.contact_lookup import constraint
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.contact_states import REST, twelve
-from kickdrift.world.direct.contact_wrenches import write_wrench
+from kickdrift.world.direct.contact_states import REST
 from kickdrift.world.direct.direct_bodies import body_of, node_of, place_in
 from kickdrift.world.direct.island_velocities import kinetic_energy, note_velocities, take_back_velocities
+from kickdrift.world.direct.joint_impulses import clear_impulses
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
-    AFTER_JOINT,
     AFTER_NODE,
     CONTACT_ROWS,
     FIRST_CONTACT,
-    FIRST_JOINT,
     FIRST_NODE,
     LINK_ROW,
     PREDICTION,
 )
 from kickdrift.world.direct.loop_closures import stay_closings
-from kickdrift.world.joints.joint_warm_start import push_bodies, push_body
-from kickdrift.world.joints.layout import (
-    ACCELERATION,
-    ANGULAR_PART,
-    AXIS_IMPULSE,
-    GAIN,
-    JOINT_IMPULSE,
-    LAWS,
-    LINEAR_PART,
-    LINK_JOINT,
-)
+from kickdrift.world.joints.layout import ACCELERATION, ANGULAR_PART, GAIN, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
-from kickdrift.world.tables import (
-    ISLAND,
-    ISLAND_CONTACT,
-    ISLAND_JOINT,
-    JOINT,
-    JOINT_NUMBERS,
-    LINK,
-    LINK_NUMBERS,
-    MOTION,
-    NODE,
-    NOTED,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, NOTED, floats, integers
 
 
 @compiled(cached=False)
 def find_accelerations(world: int, island: int, h: float) -> None:
     """Store the accelerations of the bodies of an island by forces, support, joints and their laws, without rotation.
 
-    Impulses of contacts and of laws are those of the substep before. They are left out if bodies would be accelerated more with
-    them than without: then an impact has stopped bodies there.
+    Impulses of contacts are those of the substep before; those of laws are found anew, since after half a kick they are half as
+    large. Both are left out if bodies would be accelerated more with them than without: then an impact stops bodies there. The
+    impulses of joints are overwritten.
     """
     note_velocities(world, island)
     falling = _find(world, island, h, False)
@@ -81,14 +57,14 @@ def _find(world: int, island: int, h: float, supported: bool) -> float:
             motion[body, ANGULAR_PART + k] += h * turn[k]
     if supported:
         _push_by_contacts(world, island)
-        _push_by_laws(world, island)
+    clear_impulses(world, island)
     aim_island(world, island, h, RELAX)
     stay_closings(world, island)
-    solve(world, island, h, PREDICTION, REST, True, False)
+    solve(world, island, h, 0.0 if supported else PREDICTION, REST, True, False)
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         body, link = body_of(world, node), nodes[node, LINK_ROW]
         for k in range(6):
-            motion[body, k] += work[link, GAIN + k] - noted[body, k]
+            motion[body, k] += (0.0 if supported else work[link, GAIN + k]) - noted[body, k]
             work[link, ACCELERATION + k] = motion[body, k] / h
     return kinetic_energy(world, island, MOTION)
 
@@ -96,36 +72,12 @@ def _find(world: int, island: int, h: float, supported: bool) -> float:
 @compiled(cached=False)
 def _push_by_contacts(world: int, island: int) -> None:
     """Apply the impulses of the contacts on which bodies of an island rest."""
-    own, order, wrench = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), twelve()
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields, (a, b) = constraint(world, order[place, 0]), bodies_of(world, order[place, 0])
+        fields = constraint(world, order[place, 0])
         for row in range(CONTACT_ROWS):
-            impulse = fields[impulse_field(row) * WIDTH]
-            if impulse == 0.0:
-                continue
-            write_wrench(fields, row, wrench)
-            for side in range(2):
-                body, at = b if side == 1 else a, 6 * side
-                if place_in(world, island, body) >= 0:
-                    push = (wrench[at], wrench[at + 1], wrench[at + 2])
-                    turn = (wrench[at + 3], wrench[at + 4], wrench[at + 5])
-                    push_body(world, body, times(impulse, push), times(impulse, turn))
-
-
-@compiled(cached=False)
-def _push_by_laws(world: int, island: int) -> None:
-    """Apply the impulses of limits, motors, drives and friction of the joints of an island."""
-    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    joints, work, numbers = integers(world, JOINT), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        link = order[place, 0]
-        joint = links[link, LINK_JOINT]
-        if joints[joint, LAWS] == 0:
-            continue
-        for k in range(6):
-            has_law = joints[joint, LAWS] >> k & 1
-            work[link, AXIS_IMPULSE + k] = numbers[joint, JOINT_IMPULSE + k] if has_law else 0.0
-        push_bodies(world, joint, work, link, AXIS_IMPULSE)
+            if fields[impulse_field(row) * WIDTH] != 0.0:
+                push_row(world, island, order[place, 0], row, fields[impulse_field(row) * WIDTH])
 
 
 @compiled(cached=False)

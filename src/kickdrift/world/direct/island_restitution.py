@@ -5,11 +5,11 @@ bounce speed get -e times their speed, together with points of the same manifold
 bodies that land flat do not turn; then the points that these push onto others, until none hits. A round is solved without
 friction first. Then friction acts on the part of the motion that restitution leaves alone, by the law of
 `kickdrift.world.contacts.simultaneous_impact`, and adds no energy; solved together with Newton's rule, it would throw a ball of
-26 mg between bodies of 600 kg at 500 m/s. Points that hit even after `_ROUNDS` rounds, as of a body that is thrown to and fro
-between others, are left to the solution of the substep, which stops them, as with e = 0. Points without restitution also hit in
-islands struck by a contact so fast that its shapes move by more than half of the smaller one in a substep: at its end they
-might have turned through each other, since the solution of a substep assumes constant arms. Smith, Kaufman, Vouga, Tamstorf,
-Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
+26 mg between bodies of 600 kg at 500 m/s. Joints at their limits are stopped in both. Points that hit even after `_ROUNDS`
+rounds, as of a body that is thrown to and fro between others, are left to the solution of the substep, which stops them, as
+with e = 0. Points without restitution also hit in islands struck by a contact so fast that its shapes move by more than half of
+the smaller one in a substep: at its end they might have turned through each other, since the solution of a substep assumes
+constant arms. Smith, Kaufman, Vouga, Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
 """
 
 import math
@@ -28,6 +28,7 @@ from kickdrift.world.direct.island_accelerations import find_accelerations, read
 from kickdrift.world.direct.island_solver import solve_at_once
 from kickdrift.world.direct.island_velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.islands import direct_islands
+from kickdrift.world.direct.joint_impulses import clear_impulses, restore_impulses
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, integers
@@ -53,14 +54,17 @@ def _resolve_impacts(world: int, island: int, h: float) -> bool:
             find_accelerations(world, island, h)
         _find_speeds(world, island)
         note_velocities(world, island)
+        clear_impulses(world, island)
         most = NO_MORE * energy_driven(world, island, kinetic_energy(world, island, MOTION))
         solve_at_once(world, island, h, RELAX, BOUNCE)
         if has_more(world, island, most):  # no solution: nothing bounces
             take_back_velocities(world, island)
+            restore_impulses(world, island)
             break
         note_velocities(world, island)  # friction without a solution is left out
         if not solve_at_once(world, island, h, RELAX, BOUNCE_FRICTION) or has_more(world, island, most):
             take_back_velocities(world, island)
+        restore_impulses(world, island)
     return False
 
 

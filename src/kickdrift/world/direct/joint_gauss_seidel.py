@@ -27,7 +27,7 @@ from kickdrift.world.direct.active_set import TRIALS
 from kickdrift.world.direct.contact_states import PRESS, REST
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
 from kickdrift.world.direct.loop_closures import write_axis
-from kickdrift.world.joints.axis_laws import update_law_states
+from kickdrift.world.joints.axis_laws import AFTER_DRIFT, BEFORE_DRIFT, update_law_states
 from kickdrift.world.joints.gear_wrenches import mobility_of_gear
 from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import (
@@ -96,7 +96,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
                 work[at, RIGHT_HAND_SIDE + k] = (1.0 - share) * (
                     work[at, RIGHT_HAND_SIDE + k] - rate * numbers[joint, MISALIGNMENT + k]
                 )
-            _solve(world, joint, at, h, False)
+            _solve(world, joint, at, h, BEFORE_DRIFT)
             for k in range(6):
                 if links[at, HELD_AXES] >> k & 1:
                     work[at, AXIS_IMPULSE + k] -= share * numbers[joint, JOINT_IMPULSE + k]
@@ -115,7 +115,7 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
         for link in range(at, articulations[row, END]):
             if links[link, LINK_JOINT] >= 0:
                 write_right_hand_side(world, links[link, LINK_JOINT], at, h, RELAX)
-                _solve(world, links[link, LINK_JOINT], at, h, True)
+                _solve(world, links[link, LINK_JOINT], at, h, AFTER_DRIFT)
                 give_joint(world, links[link, LINK_JOINT], at, REST)
         for link in range(at, articulations[row, END]):
             joint = links[link, LINK_JOINT]
@@ -124,14 +124,14 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _solve(world: int, joint: int, at: int, h: float, relaxing: bool) -> None:
+def _solve(world: int, joint: int, at: int, h: float, phase: int) -> None:
     """Find the impulses of one joint as if it were the only one."""
     laws, work = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
     active = integers(world, LINK)[at, HELD_AXES] | laws
     responses = carray(floats_on_stack(36), (6, 6))
     _find_responses(world, joint, at, active, responses)
     for trial in range(TRIALS):
-        settled = laws == 0 or update_law_states(world, joint, at, h, relaxing, trial == 0)
+        settled = laws == 0 or update_law_states(world, joint, at, h, phase, trial == 0)
         if trial > 0 and settled:
             break
         _solve_axes(world, at, active, responses)

@@ -4,6 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contact_states import BOUNCE
+from kickdrift.world.direct.island_velocities import begin_anew
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
 from kickdrift.world.joints.geometric_stiffness import set_brakes
 from kickdrift.world.joints.joint_warm_start import note_speeds, push_bodies
@@ -59,12 +60,31 @@ def give_joints(world: int, island: int, task: int) -> None:
 
 @compiled(cached=False)
 def give_joint(world: int, joint: int, link: int, task: int) -> None:
-    """Apply the impulses of a joint to its bodies; those of a bounce do not warm start the next substep."""
+    """Apply the impulses of a joint to its bodies."""
     work, numbers = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    column = TOTAL if task >= BOUNCE else JOINT_IMPULSE
     for k in range(6):
-        numbers[joint, column + k] += work[link, AXIS_IMPULSE + k]
+        numbers[joint, JOINT_IMPULSE + k] += work[link, AXIS_IMPULSE + k]
+        if task >= BOUNCE:
+            numbers[joint, TOTAL + k] += work[link, AXIS_IMPULSE + k]
     push_bodies(world, joint, work, link, AXIS_IMPULSE)
+
+
+@compiled(cached=False)
+def clear_impulses(world: int, island: int) -> None:
+    """Let a solution before the kick begin without impulses of joints: in an instant a limit has none that it can take back."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    numbers = floats(world, JOINT_NUMBERS)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        for k in range(6):
+            numbers[links[order[place, 0], LINK_JOINT], JOINT_IMPULSE + k] = 0.0
+
+
+@compiled(cached=False)
+def restore_impulses(world: int, island: int) -> None:
+    """Restore the impulses with which the joints of an island begin the substep."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        begin_anew(world, links[order[place, 0], LINK_JOINT])
 
 
 @compiled(cached=False)

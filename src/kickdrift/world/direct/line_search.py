@@ -12,7 +12,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
-from kickdrift.world.direct.contact_states import BOUNCE, PRESS
+from kickdrift.world.direct.contact_states import phase_of
 from kickdrift.world.direct.direct_bodies import mass_of
 from kickdrift.world.direct.island_velocities import kinetic_energy
 from kickdrift.world.direct.layout import (
@@ -114,11 +114,9 @@ def _slope(world: int, island: int, share: float, h: float, task: int, touched: 
     if touched:
         for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
             total += _slope_of_contact(contact_row(world, order[k, 0]), share)
-    if task >= BOUNCE:
-        return total
     joints = integers(world, ISLAND_JOINT)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        total += _slope_of_laws(world, joints[place, 0], share, h, task != PRESS)
+        total += _slope_of_laws(world, joints[place, 0], share, h, phase_of(task))
     return total
 
 
@@ -148,7 +146,7 @@ def _slope_of_contact(rows: Any, share: float) -> float:
 
 
 @compiled(cached=False, fast=True)
-def _slope_of_laws(world: int, link: int, share: float, h: float, relaxing: bool) -> float:
+def _slope_of_laws(world: int, link: int, share: float, h: float, phase: int) -> float:
     """Return the part of the laws of a joint in `_slope`."""
     joint, work, total = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
     laws = integers(world, JOINT)[joint, LAWS]
@@ -157,7 +155,7 @@ def _slope_of_laws(world: int, link: int, share: float, h: float, relaxing: bool
             way = work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
             given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]
             borne = work[link, ACCEPTED_IMPULSE + k] + share * (given - work[link, ACCEPTED_IMPULSE + k])
-            law = law_impulse(world, joint, k, link, h, relaxing, work[link, ACCEPTED_DELTA_SPEED + k] + share * way)
+            law = law_impulse(world, joint, k, link, h, phase, work[link, ACCEPTED_DELTA_SPEED + k] + share * way)
             total += way * (borne - law)
     return total
 

@@ -33,6 +33,11 @@ _RIGID = 1e6
 # lines the number is the same for bodies of any size: ropes may be wound up with it, and the speed is not kept.
 _RETURN = 5.0
 
+# When laws act
+BEFORE_DRIFT = 0
+AFTER_DRIFT = 1  # drives are those from before the drift
+IN_IMPACT = 2  # motors, drives and friction are forces, which do nothing in an instant: a limit is a rigid stop
+
 # Codes of pieces: upright ones, and others, which are _OPEN and three digits to the base 3
 AT_LOWER, AT_UPPER, STICKS, AT_SPEED, _OPEN = 1, 2, 3, 4, 5
 
@@ -136,7 +141,7 @@ def _begin_drive(world: int, joint: int, k: int, h: float) -> None:
 
 @compiled(inline=True, cached=False)
 def _piece(
-    world: int, joint: int, link: int, k: int, h: float, relaxing: bool, speed: float, impulse: float, mobility: float
+    world: int, joint: int, link: int, k: int, h: float, phase: int, speed: float, impulse: float, mobility: float
 ) -> tuple[int, bool, float, float]:
     """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
@@ -145,12 +150,15 @@ def _piece(
     lower, upper = laws[row, j.LOWER_LIMIT] - at, laws[row, j.UPPER_LIMIT] - at
     back = h * _RETURN
     lower, upper = min(lower, back), max(upper, -back)
-    if relaxing:  # limits that were passed do not change
-        lower, upper = min(lower, 0.0), max(upper, 0.0)
-    constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
     scale = numbers[joint, j.TWIST_SCALE] if k == 5 and joints[joint, j.ANGULAR] == j.SWING_TWIST else 1.0
+    if phase != BEFORE_DRIFT:  # limits that were passed do not change
+        lower, upper = min(lower, 0.0), max(upper, 0.0)
+    lower, upper, free = scale * lower / h, scale * upper / h, speed - mobility * impulse
+    if phase == IN_IMPACT:
+        return solution(free, mobility, lower, upper, 0.0, 0.0, 0.0, 0.0, 0.0, math.inf)
+    constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
     return solution(
-        speed - mobility * impulse, mobility, scale * lower / h, scale * upper / h,
+        free, mobility, lower, upper,
         _friction(world, joint, link, k, h), h * laws[row, j.MOTOR_MAXIMUM], laws[row, j.MOTOR_SPEED], constant, slope, maximum,
     )  # fmt: skip
 
@@ -190,25 +198,26 @@ def _share_friction(world: int, joint: int, link: int, h: float) -> None:
 
 
 @compiled(cached=False)
-def law_impulse(world: int, joint: int, k: int, link: int, h: float, relaxing: bool, moved: float) -> float:
+def law_impulse(world: int, joint: int, k: int, link: int, h: float, phase: int, moved: float) -> float:
     """Return the impulse that a law adds to the one before the solution, where the speed has changed by `moved`."""
     work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, j.JOINT_IMPULSE + k]
     mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY] / _RIGID
     speed, base = work[link, j.AXIS_SPEED + k] + moved, work[link, j.LAW_BASE + k]
-    _, held, value, slope = _piece(world, joint, link, k, h, relaxing, speed, before + base, mobility)
+    _, held, value, slope = _piece(world, joint, link, k, h, phase, speed, before + base, mobility)
     impulse: float = base + (value - speed) / mobility if held else value - slope * speed - before
     return impulse
 
 
 @compiled(cached=False)
-def update_law_states(world: int, joint: int, link: int, h: float, relaxing: bool, first: bool) -> bool:
+def update_law_states(world: int, joint: int, link: int, h: float, phase: int, first: bool) -> bool:
     """Assume the pieces on which the solution lies, and return whether it was found with them."""
     laws, numbers = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS)
     work = floats(world, LINK_NUMBERS)
-    if first:
-        for k in range(0 if relaxing else 6):
+    if first and phase == BEFORE_DRIFT:
+        for k in range(6):
             if laws >> k & 1:
                 _begin_drive(world, joint, k, h)
+    if first and phase != IN_IMPACT:
         _share_friction(world, joint, link, h)
     settled = True
     for k in range(6):
@@ -218,7 +227,7 @@ def update_law_states(world: int, joint: int, link: int, h: float, relaxing: boo
         before, rigid, base = work[link, j.AXIS_SPEED + k], mobility / _RIGID, work[link, j.LAW_BASE + k]
         speed, impulse = before + work[link, j.ACCEPTED_DELTA_SPEED + k], numbers[joint, j.JOINT_IMPULSE + k] + base
         line = mobility if first else rigid
-        code, held, value, slope = _piece(world, joint, link, k, h, relaxing, speed, impulse, line)
+        code, held, value, slope = _piece(world, joint, link, k, h, phase, speed, impulse, line)
         settled = settled and code == work[link, j.LAW_STATE + k]
         work[link, j.LAW_STATE + k] = code
         work[link, j.SLOPE + k] = 1.0 / rigid if held else slope
