@@ -2,7 +2,7 @@
 
 The triangle is part of the surface of a solid: it pushes along its normal, and sideways only at convex edges. At other,
 internal edges the surface continues with the adjacent triangle, on which a body rests that seems to touch the edge from the
-side. Otherwise a box that slides over a flat floor of many triangles would catch on their edges.
+side. Otherwise a box that slides over a flat floor of many triangles would catch on their edges: ghost collisions.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Contact of round shapes with a triangle of a mesh.
 
 Triangles are one-sided: shapes behind them do not touch, unless they have sunk in by less than half of their radius. At an edge
-that is not convex, as inside a flat floor, only the adjacent faces touch: the normal is that of the face, which extends
-slightly beyond the edge, so that nothing falls between two faces.
+that is not convex, an internal edge as inside a flat floor, only the adjacent faces touch, so that there are no ghost
+collisions: the normal is that of the face, which extends slightly beyond the edge, so that nothing falls between two faces.
 """
 
 import math
