@@ -7,7 +7,6 @@ from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact
 from kickdrift.world.direct.contact_rows import bind, bind_points, bound_of, first_row, give_of, impulse_field
 from kickdrift.world.direct.contact_states import BOUNCE, PRESS, REST, read_both, twelve
 from kickdrift.world.direct.contact_wrenches import along, write_wrench
-from kickdrift.world.direct.direct_bodies import place_in
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -100,18 +99,6 @@ def give_contacts(world: int, island: int, task: int) -> None:
                 body, at = bodies[1] if side == 1 else bodies[0], 6 * side
                 push = (given[at], given[at + 1], given[at + 2])
                 push_body(world, body, push, (given[at + 3], given[at + 4], given[at + 5]))
-
-
-@compiled(cached=False, fast=True)
-def push_row(world: int, island: int, index: int, row: int, impulse: float) -> None:
-    """Apply an impulse along a row of a contact to the bodies of an island."""
-    wrench, bodies = twelve(), bodies_of(world, index)
-    write_wrench(constraint(world, index), row, wrench)
-    for side in range(2):
-        body, at = bodies[1] if side == 1 else bodies[0], 6 * side
-        if place_in(world, island, body) >= 0:
-            push = (impulse * wrench[at], impulse * wrench[at + 1], impulse * wrench[at + 2])
-            push_body(world, body, push, (impulse * wrench[at + 3], impulse * wrench[at + 4], impulse * wrench[at + 5]))
 
 
 @compiled(cached=False, fast=True)

@@ -17,18 +17,7 @@ from kickdrift.world.joints.layout import (
     ROOT,
     SIGN,
 )
-from kickdrift.world.layout import (
-    AWAKE,
-    BODY_KIND,
-    DYNAMIC,
-    HALF_KICK,
-    IN_HEAP,
-    INVERSE_LINEAR_MASS,
-    KICK,
-    LINK_COUNT,
-    LINK_PLACE,
-    MASS,
-)
+from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, INVERSE_LINEAR_MASS, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BODY,
@@ -37,7 +26,6 @@ from kickdrift.world.tables import (
     INERTIA,
     INVERSE_MASS,
     ISLAND,
-    KICKED,
     LINK,
     LINK_NUMBERS,
     NODE,
@@ -169,14 +157,6 @@ def body_of(world: int, node: int) -> int:
     """Return the body of a node."""
     body: int = integers(world, LINK)[integers(world, NODE)[node, LINK_ROW], LINK_BODY]
     return body
-
-
-@compiled(cached=False)
-def is_halved(world: int, island: int) -> bool:
-    """Whether an island gets half of the kick before the drift: see `kickdrift.world.direct.half_kicks`."""
-    first = body_of(world, integers(world, ISLAND)[island, FIRST_NODE])
-    halved: bool = floats(world, KICKED)[first, KICK] == HALF_KICK
-    return halved
 
 
 @compiled(cached=False)

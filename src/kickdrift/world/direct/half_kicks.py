@@ -1,4 +1,4 @@
-"""Half of a kick before the drift and half after it, for islands that only forces, passive joints and their own contacts move.
+"""Half of a kick before the drift and half after it, for islands that nothing but forces and their joints move.
 
 The substep is then RATTLE as Stoermer and Verlet have it: half a kick, impulses such that joints are satisfied after the drift,
 the drift, the other half, and a projection onto the velocities that joints allow. With the whole kick before the drift it is
@@ -7,47 +7,37 @@ rods of 0.02 to 0.75 m, 47 are then off by more than 1 % of their largest kineti
 1.3 %, and 13 so, the median by 0.29 %; of sixty four-bar linkages, 52, by 2.0 %, and 17, by 0.29 %. Hairer, Lubich, Wanner,
 Geometric Numerical Integration, 2nd ed. (2006), section VII.1.4.
 
-Contacts begin with half of the impulses of the substep before, and have the other half after the drift, as the kick: so bodies
-rest on them. With whole kicks where contacts are loaded, a rod on a hinge whose end there lies on the floor loses 1 to 2 % of
-its energy whenever its other end bounces with e = 1. Motors, drives and friction of joints act before the drift, as do contacts
-with bodies that the island does not include, which have whole kicks: against half of its weight alone a body would not be at
-rest there. Where all bodies are kicked alike and nothing holds them, that makes no difference.
+The impulses of contacts, motors, drives and friction act before the drift: against half of its weight alone a body would not
+be at rest there. Where all bodies are kicked alike and nothing holds them, that makes no difference.
 """
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.direct.contact_impulses import push_row
-from kickdrift.world.direct.contact_lookup import constraint, contact_row
+from kickdrift.world.direct.contact_lookup import constraint
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.direct_bodies import body_of, is_halved
+from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
     AFTER_NODE,
-    CONTACT_ROWS,
     FIRST_CONTACT,
     FIRST_JOINT,
     FIRST_NODE,
     LINK_ROW,
-    START,
     TANGENT,
     TOUCHES,
 )
-from kickdrift.world.direct.loop_closures import has_loops
-from kickdrift.world.joints.joint_warm_start import push_bodies
 from kickdrift.world.joints.layout import (
     DRIVE_DAMPING,
     DRIVE_STIFFNESS,
     JOINT_FRICTION,
-    JOINT_IMPULSE,
     LAWS,
     LINK_JOINT,
     MOTOR_MAXIMUM,
     NONE,
     PARENT,
-    SOLVED,
 )
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -74,7 +64,6 @@ from kickdrift.world.tables import (
     ISLAND_JOINT,
     JOINT,
     JOINT_AXES,
-    JOINT_NUMBERS,
     KICKED,
     LINK,
     MOTION,
@@ -97,54 +86,10 @@ def mark_half_kicks(t: float, h: float, world: int) -> None:
     for island in range(rows(world, ISLAND)):
         own = islands[island]
         halved = own[FIRST_JOINT] < own[AFTER_JOINT] and (
-            (_may_halve_contacts(world, island) and _is_passive(world, island))
-            or (own[TOUCHES] < 2 and _falls(world, island))
+            (_is_unloaded(world, island) and _is_passive(world, island)) or (own[TOUCHES] < 2 and _falls(world, island))
         )
-        if halved:
-            _halve_contacts(world, island)
         for node in range(own[FIRST_NODE], own[AFTER_NODE]):
             kicked[body_of(world, node), KICK] = HALF_KICK if halved else WHOLE_KICK
-
-
-@compiled(cached=False)
-def _halve_contacts(world: int, island: int) -> None:
-    """Begin with half of the impulses of the contacts of an island, for half of the kick."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields = constraint(world, order[place, 0])
-        for row in range(CONTACT_ROWS):
-            fields[impulse_field(row) * WIDTH] *= 0.5
-
-
-@compiled(cached=False)
-def complete_impulses(world: int, island: int) -> None:
-    """Begin the projection with the other half of the impulses of contacts that still press, and of joints that bear them."""
-    own, order, presses = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), False
-    if not is_halved(world, island):
-        return
-    for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        presses = _complete_contact(world, island, order[place, 0]) or presses
-    order, links = integers(world, ISLAND_JOINT), integers(world, LINK)
-    numbers = floats(world, JOINT_NUMBERS)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT] if presses else own[FIRST_JOINT]):
-        joint = links[order[place, 0], LINK_JOINT]
-        push_bodies(world, joint, numbers, joint, SOLVED)
-        for k in range(6):
-            numbers[joint, JOINT_IMPULSE + k] += numbers[joint, SOLVED + k]
-
-
-@compiled(cached=False)
-def _complete_contact(world: int, island: int, index: int) -> bool:
-    """Apply the other half of the impulses of a contact; return whether it still presses."""
-    fields, begun, presses = constraint(world, index), contact_row(world, index), False
-    for row in range(CONTACT_ROWS):
-        at = impulse_field(row) * WIDTH
-        more = min(begun[START + row], fields[at]) if row < TANGENT else begun[START + row] if presses else 0.0
-        presses = presses or more > 0.0
-        if more != 0.0:
-            fields[at] += more
-            push_row(world, island, index, row, more)
-    return presses
 
 
 @compiled
@@ -153,10 +98,10 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
     islands, kicked, force = integers(world, ISLAND), floats(world, KICKED), floats(world, FORCE)
     motion, inverse_mass, settings = floats(world, MOTION), floats(world, INVERSE_MASS), floats(world, SETTINGS)
     for island in range(rows(world, ISLAND)):
-        if not is_halved(world, island):
-            continue
         for node in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
             body = body_of(world, node)
+            if kicked[body, KICK] != HALF_KICK:
+                continue
             inverse = symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD)
             turn = applied(inverse, times(0.5 * h, vector_at(force, body, SUBSTEP_TORQUE)))
             for k in range(3):
@@ -169,17 +114,11 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
-def _may_halve_contacts(world: int, island: int) -> bool:
-    """Whether all contacts of an island are solved in it alone, or none had an impulse but of bounces in the last substep.
-
-    With loops, the other half of the impulses would be a poor guess: a ball rolls off straight bridges, which joints lock.
-    """
+def _is_unloaded(world: int, island: int) -> bool:
+    """Whether no contact of an island had an impulse at the end of the last substep: none, or bounces alone."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    if own[FIRST_CONTACT] == own[AFTER_CONTACT]:
-        untouched: bool = own[TOUCHES] == 0
-        return untouched
-    if own[TOUCHES] < 3 and not has_loops(world, island):
-        return True
+    if own[TOUCHES] != 0 and own[FIRST_CONTACT] == own[AFTER_CONTACT]:
+        return False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         fields = constraint(world, order[k, 0])
         for i in range(TANGENT):

@@ -3,13 +3,14 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.direct.active_set import aim_island, solve
-from kickdrift.world.direct.contact_impulses import push_row
-from kickdrift.world.direct.contact_lookup import constraint
+from kickdrift.world.direct.contact_lookup import bodies_of, constraint
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.contact_states import REST
+from kickdrift.world.direct.contact_states import REST, twelve
+from kickdrift.world.direct.contact_wrenches import write_wrench
 from kickdrift.world.direct.direct_bodies import body_of, node_of, place_in
 from kickdrift.world.direct.island_velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.joint_impulses import clear_impulses
@@ -23,6 +24,7 @@ from kickdrift.world.direct.layout import (
     PREDICTION,
 )
 from kickdrift.world.direct.loop_closures import stay_closings
+from kickdrift.world.joints.joint_warm_start import push_body
 from kickdrift.world.joints.layout import ACCELERATION, ANGULAR_PART, GAIN, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, NOTED, floats, integers
@@ -72,12 +74,20 @@ def _find(world: int, island: int, h: float, supported: bool) -> float:
 @compiled(cached=False)
 def _push_by_contacts(world: int, island: int) -> None:
     """Apply the impulses of the contacts on which bodies of an island rest."""
-    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    own, order, wrench = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), twelve()
     for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        fields = constraint(world, order[place, 0])
+        fields, (a, b) = constraint(world, order[place, 0]), bodies_of(world, order[place, 0])
         for row in range(CONTACT_ROWS):
-            if fields[impulse_field(row) * WIDTH] != 0.0:
-                push_row(world, island, order[place, 0], row, fields[impulse_field(row) * WIDTH])
+            impulse = fields[impulse_field(row) * WIDTH]
+            if impulse == 0.0:
+                continue
+            write_wrench(fields, row, wrench)
+            for side in range(2):
+                body, at = b if side == 1 else a, 6 * side
+                if place_in(world, island, body) >= 0:
+                    push = (wrench[at], wrench[at + 1], wrench[at + 2])
+                    turn = (wrench[at + 3], wrench[at + 4], wrench[at + 5])
+                    push_body(world, body, times(impulse, push), times(impulse, turn))
 
 
 @compiled(cached=False)

@@ -7,7 +7,7 @@ from kickdrift.world.collision.filters import is_solid
 from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
 from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
 from kickdrift.world.direct.contact_lookup import linked_contacts
-from kickdrift.world.direct.direct_bodies import body_of, has_room, moves, nodes_of_contact
+from kickdrift.world.direct.direct_bodies import body_of, has_room, nodes_of_contact
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -263,5 +263,4 @@ def _find_touching(world: int) -> None:
         two = nodes[links[b, NODE_ROW], NODE_ISLAND] if b >= 0 and links[b, ROOT] >= 0 else NONE
         for island in (one, two):
             if island >= 0:
-                moved = moves(world, contacts[row, CONTACT_A]) and moves(world, contacts[row, CONTACT_B])
-                islands[island, TOUCHES] = max(islands[island, TOUCHES], 1 if one == two else 3 if moved else 2)
+                islands[island, TOUCHES] = max(islands[island, TOUCHES], 1 if one == two else 2)

@@ -23,8 +23,7 @@ LOST = column(ISLAND)  # 1 if Newton's method has not found impulses that satisf
 RATIO = column(ISLAND)  # of the largest mass to the smallest
 HAS_JOINTS = column(ISLAND)  # 1 if any of its nodes has a joint
 GIVEN_UP = column(ISLAND)  # substeps of this step in which it was lost
-# 1 if its bodies have contacts with each other, 2 if one has a contact with an immovable body, 3 with a movable one outside
-TOUCHES = column(ISLAND)
+TOUCHES = column(ISLAND)  # 1 if its bodies have contacts with each other, 2 if one has a contact with another body
 GROUP = column(ISLAND)  # a lower island of those connected with it by contacts, or itself
 
 # Columns of NODE, one row for each place in the order of elimination

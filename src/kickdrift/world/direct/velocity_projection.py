@@ -4,7 +4,6 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_states import REST, is_cut, note_impulses
 from kickdrift.world.direct.energy_guard import gained
-from kickdrift.world.direct.half_kicks import complete_impulses
 from kickdrift.world.direct.island_solver import project, solve_at_once
 from kickdrift.world.direct.island_velocities import begin_from_kick
 from kickdrift.world.direct.islands import direct_islands
@@ -39,7 +38,6 @@ def _relax(world: int, island: int, h: float) -> None:
     and one on a ball joint, 24 g to 250 kg, into 23 MJ. Islands that touch others are judged when all have been projected
     (`_relax_again`).
     """
-    complete_impulses(world, island)
     if integers(world, ISLAND)[island, LOST] != 0:
         repair(world, island, h)
         note_impulses(world, island, False)
