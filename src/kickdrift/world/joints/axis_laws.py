@@ -35,7 +35,7 @@ _RETURN = 5.0
 
 # When laws act
 BEFORE_DRIFT = 0
-AFTER_DRIFT = 1  # drives are those from before the drift
+AFTER_DRIFT = 1  # laws of drives are those computed before the last drift
 IN_IMPACT = 2  # motors, drives and friction are forces, which do nothing in an instant: a limit is a rigid stop
 
 # Codes of pieces: upright ones, and others, which are _OPEN and three digits to the base 3
@@ -124,7 +124,7 @@ def solution(
 
 @compiled(inline=True, cached=False)
 def _begin_drive(world: int, joint: int, k: int, h: float) -> None:
-    """Compute the impulse of a drive in the substep, before and after the drift; see the top of this file."""
+    """Compute the law of a drive, which holds for the whole substep; see the top of this file."""
     numbers, laws = floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
     row = 6 * joint + k
     stiffness, damping = laws[row, j.DRIVE_STIFFNESS], laws[row, j.DRIVE_DAMPING]
