@@ -521,3 +521,25 @@ def test_a_rod_on_a_hinge_that_falls_on_its_tip_keeps_the_square_of_e_of_its_ene
             world.step(1 / 60)
         left = world.energy().kinetic + 9.81 * (rod.position[2] - radius)
         assert left == pytest.approx(restitution**2 * 9.81 * height, rel=0.03)
+
+
+@pytest.mark.parametrize(("overlap", "stop"), [(1e-3, 2e-4), (1e-2, 0.0)])
+@pytest.mark.parametrize("joint", ["slider", "hinge"])
+def test_limbs_that_limits_jam_against_each_other_stay_at_rest(joint, overlap, stop):
+    world = World()
+    world.add_plane()
+    trunk = world.add_box((1.0, 0.2, 0.1), position=(0, 0, 0.05), mass=5.0)
+    for side in (-1, 1):
+        limb = world.add_box((0.2, 0.2, 0.2), position=(side * (0.1 - overlap / 2), 0, 0.22), mass=1.0)
+        if joint == "slider":
+            world.add_slider(trunk, limb, (0.2 * side, 0, 0.1), axis=(side, 0, 0), limits=(-0.05, stop))
+        else:
+            world.add_hinge(trunk, limb, (0.1 * side, 0, 0.1), axis=(0, side, 0), limits=(-0.3, stop))
+    start, fastest = world.energy().total, 0.0
+    for _ in range(300):
+        world.step(1 / 60)
+        fastest = max(fastest, np.abs(world.velocity).max())
+    assert (
+        fastest < 0.05
+    )  # of the landing by a centimetre's overlap, at most the speed at which overlaps are pushed apart
+    assert world.energy().total < start + 0.01
