@@ -18,7 +18,13 @@ from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_con
 from kickdrift.world.direct.contact_states import PRESS, begin_contacts, fastest_push, is_cut, note_impulses
 from kickdrift.world.direct.energy_bounds import energy_given
 from kickdrift.world.direct.energy_guard import allowance
-from kickdrift.world.direct.island_velocities import fastest, kinetic_energy, note_velocities, take_back
+from kickdrift.world.direct.island_velocities import (
+    begin_from_kick,
+    fastest,
+    kinetic_energy,
+    note_velocities,
+    take_back,
+)
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_solution
 from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, GIVEN_UP, HAS_JOINTS, LOST, RATIO
@@ -62,7 +68,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
             _press(world, island, h)
             continue
         off = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
-        if not (off <= POOR and _approach(world, island, h, off) <= NEAR):
+        if not (off <= POOR and _approach(world, island, h, off) <= NEAR) or _is_wild(world, island, h):
             _solve_carefully(world, island, h)
     for island in range(direct_islands(world)):
         if is_cut(world, island):
@@ -95,6 +101,22 @@ def _press(world: int, island: int, h: float) -> None:
         if fastest(world, island, MOTION, LINEAR_PART) <= most:
             return
         take_back(world, island)
+
+
+@compiled(cached=False)
+def _is_wild(world: int, island: int, h: float) -> bool:
+    """Whether bodies of an island in contact are far faster than after the kick, with energy that nothing has given.
+
+    So are those of a solution in which contacts press against limits of joints: it threw jammed limbs up by 13 cm in a substep.
+    """
+    own = integers(world, ISLAND)[island]
+    if own[FIRST_CONTACT] == own[AFTER_CONTACT]:
+        return False
+    most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + fastest_push(world, island))
+    if fastest(world, island, MOTION, LINEAR_PART) <= most:
+        return False
+    bound = allowance(world, island, h) * kinetic_energy(world, island, KICKED) + energy_given(world, island)
+    return bool(kinetic_energy(world, island, MOTION) > bound)
 
 
 @compiled(inline=True, cached=False)
@@ -133,11 +155,15 @@ def _solve_carefully(world: int, island: int, h: float) -> None:
         bound = min(bound, max(begun / FEWER, NEAR))
     if not (
         _approach(world, island, h, begun) <= bound
+        and not _is_wild(world, island, h)
         and kinetic_energy(world, island, MOTION) <= allowance(world, island, h) * energy + energy_given(world, island)
     ):
         islands[island, LOST] = 1
         islands[island, GIVEN_UP] += 1
         project(world, island, h, GENTLY, PRESS)
+        if _is_wild(world, island, h):
+            begin_from_kick(world, island)
+            solve_at_once(world, island, h, GENTLY, PRESS)
 
 
 @compiled(cached=False)
