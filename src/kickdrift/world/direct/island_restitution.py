@@ -26,9 +26,14 @@ from kickdrift.world.direct.energy_bounds import energy_driven
 from kickdrift.world.direct.energy_guard import NO_MORE, has_more
 from kickdrift.world.direct.island_accelerations import find_accelerations, read_accelerations
 from kickdrift.world.direct.island_solver import solve_at_once
-from kickdrift.world.direct.island_velocities import kinetic_energy, note_velocities, take_back_velocities
+from kickdrift.world.direct.island_velocities import (
+    kinetic_energy,
+    note_velocities,
+    restore_impulses,
+    take_back_velocities,
+)
 from kickdrift.world.direct.islands import direct_islands
-from kickdrift.world.direct.joint_impulses import clear_impulses, restore_impulses
+from kickdrift.world.direct.joint_impulses import clear_impulses
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, integers

@@ -132,9 +132,15 @@ def _copy_of(world: int, body: int, source: Table, target: Table) -> None:
 @compiled(cached=False)
 def take_back(world: int, island: int) -> None:
     """Restore the noted velocities, and the impulses that belong to them."""
-    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     take_back_velocities(world, island)
     note_impulses(world, island, True)
+    restore_impulses(world, island)
+
+
+@compiled(cached=False)
+def restore_impulses(world: int, island: int) -> None:
+    """Restore the impulses with which the joints of an island begin the substep."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         begin_anew(world, links[order[place, 0], LINK_JOINT])
 

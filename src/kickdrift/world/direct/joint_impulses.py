@@ -4,7 +4,6 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
 from kickdrift.world.direct.contact_states import BOUNCE
-from kickdrift.world.direct.island_velocities import begin_anew
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
 from kickdrift.world.joints.geometric_stiffness import set_brakes
 from kickdrift.world.joints.joint_warm_start import note_speeds, push_bodies
@@ -77,14 +76,6 @@ def clear_impulses(world: int, island: int) -> None:
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         for k in range(6):
             numbers[links[order[place, 0], LINK_JOINT], JOINT_IMPULSE + k] = 0.0
-
-
-@compiled(cached=False)
-def restore_impulses(world: int, island: int) -> None:
-    """Restore the impulses with which the joints of an island begin the substep."""
-    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        begin_anew(world, links[order[place, 0], LINK_JOINT])
 
 
 @compiled(cached=False)
