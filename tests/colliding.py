@@ -4,6 +4,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.narrow_phase import COLLIDE, collide
 from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.contacts.layout import REACHABLE
 
 
 @compiled
@@ -13,4 +14,5 @@ def _collide(address, a, b, pose, margin, manifold):
 
 def count_contacts(pair, a, b, pose, margin, manifold):
     """Write the manifold of two shapes of these kinds, and return the number of its points."""
+    manifold[REACHABLE] = margin
     return _collide(address_of(PAIRS[pair], COLLIDE), a, b, pose, float(margin), manifold)

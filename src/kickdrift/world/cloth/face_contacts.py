@@ -33,7 +33,7 @@ from kickdrift.world.cloth.proximity import barycentric
 from kickdrift.world.collision.narrow_phase import collide, radius
 from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import point_at, vector_at
-from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE
+from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE, REACHABLE
 from kickdrift.world.layout import BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kind_numbers import CYLINDER, TRIANGLE
 from kickdrift.world.shapes.record import SOLID
@@ -133,6 +133,7 @@ def _touch(
     u, v, w = turned_back(q, minus(u, at)), turned_back(q, minus(v, at)), turned_back(q, minus(w, at))
     put_facing(u, v, w, turned_back(q, minus(minus(p, normal), at)), triangle)
     pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6] = 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    manifold[REACHABLE] = margin + half
     count = collide(integers(world, COLLIDERS)[TRIANGLE, kind], (triangle, numbers, pose, margin + half, manifold))
     inward, fits = point_at(manifold, NORMAL), True
     for k in range(count):

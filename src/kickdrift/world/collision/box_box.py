@@ -62,7 +62,7 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
         count, depth = _clipped(own, own_frame, face, other, other_frame, by_b, margin, SLACK * tolerance, candidates)
         if count > 0 and (attempt >= 2 or abs(depth - gap) <= off):
             normal = normal_of(own_frame, face)
-            count = choose(candidates, count, normal, tolerance, chosen)
+            count = choose(candidates, count, normal, tolerance, manifold, chosen)
             put_manifold(manifold, candidates, chosen, count, normal, frame, by_b)
             return count
     return 0

@@ -19,7 +19,9 @@ from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FAST,
     FOUND_POSE,
+    LEFT_OUT,
     POINTS,
+    REACHABLE,
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
@@ -43,6 +45,8 @@ from kickdrift.world.tables import (
     rows,
 )
 
+# Of that motion of other shapes: up to it, their manifold is reused although it lacks points that may touch
+_LEVEL = 0.1
 _STANDING = 1e-4  # of its size: motion up to which a round shape standing on three or more points keeps its manifold
 
 
@@ -72,7 +76,10 @@ def find_points(t: float, h: float, world: int) -> None:
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
         # A triangle without points may be as near as those with points: at its edges it leaves them to its neighbours.
         apart = contact[row, POINTS] == 0 and sort_of(world, a) != SURFACE
-        if moved + way < manifold[row, RECYCLED] and (apart or moved <= _tolerance(world, a, b, contact[row, POINTS])):
+        tolerance = _tolerance(world, a, b, contact[row, POINTS])
+        if moved + way >= manifold[row, LEFT_OUT]:
+            tolerance *= _LEVEL
+        if moved + way < manifold[row, RECYCLED] and (apart or moved <= tolerance):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
         if changes or _is_far(world, row, way):
@@ -80,6 +87,7 @@ def find_points(t: float, h: float, world: int) -> None:
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
         else:
+            manifold[row, REACHABLE] = way + _LEVEL * tolerance
             find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
 
 

@@ -71,7 +71,7 @@ def lie_on_face(
             put_candidate(candidates, CANDIDATE * kept, p, gap, feature)
             kept, depth = kept + 1, min(depth, gap)
     chosen = floats_on_stack(4)
-    kept = choose(candidates, kept, normal, tolerance if sine < FLAT_ON else _BALANCED * radius, chosen)
+    kept = choose(candidates, kept, normal, tolerance if sine < FLAT_ON else _BALANCED * radius, manifold, chosen)
     for k in range(kept):
         i = CANDIDATE * int(chosen[k])
         p = (candidates[i], candidates[i + 1], candidates[i + 2])
@@ -107,7 +107,7 @@ def stand_on_end(
             put_candidate(candidates, CANDIDATE * kept, p, gap, feature)
             kept, depth = kept + 1, min(depth, gap)
     chosen = floats_on_stack(4)
-    kept = choose(candidates, kept, normal, tolerance, chosen)
+    kept = choose(candidates, kept, normal, tolerance, manifold, chosen)
     for k in range(kept):
         i = CANDIDATE * int(chosen[k])
         p = (candidates[i], candidates[i + 1], candidates[i + 2])

@@ -3,6 +3,7 @@
 A candidate is a point of the incident face, a row of `CANDIDATE` numbers.
 """
 
+import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -11,6 +12,7 @@ from kickdrift.world.collision.clipping import CORNER, LABEL, between
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.shape_frames import placed_back
 from kickdrift.world.columns import Fields
+from kickdrift.world.contacts.layout import LEFT_OUT, REACHABLE
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
 
 # Numbers of a candidate
@@ -96,16 +98,70 @@ def put_candidates(
 
 
 @compiled
-def choose(candidates: Any, count: int, normal: Vector, tolerance: float, chosen: Any) -> int:
-    """Choose up to four candidates that span nearly the same area as all of them: write their indices, return their number.
+def choose(candidates: Any, count: int, normal: Vector, tolerance: float, manifold: Any, chosen: Any) -> int:
+    """Choose up to four candidates, write their indices, and return their number.
 
-    The deepest; the farthest from it; the one that forms the largest triangle with both; and the one that adds the largest area
-    to this.
+    The lowest four, unless more than four are reachable (`kickdrift.world.contacts.layout.REACHABLE`): then four of these that
+    span nearly the same area. A polyhedron that rolls on many corners would otherwise sink in at the next of them, which is
+    close to the one it stands on and adds no area.
     """
     if count <= 4:
         for k in range(count):
             chosen[k] = k
         return count
+    reachable, kept = 0, 4
+    for k in range(count):
+        reachable += candidates[CANDIDATE * k + SEPARATION] <= manifold[REACHABLE]
+    if reachable <= 4:
+        _choose_lowest(candidates, count, chosen)
+    else:
+        _drop_above(candidates, count, manifold[REACHABLE])
+        count = reachable
+        kept = _choose_by_area(candidates, count, normal, tolerance, chosen)
+    manifold[LEFT_OUT] = math.inf
+    for k in range(count):
+        if not _is_chosen(chosen, kept, k):
+            manifold[LEFT_OUT] = min(manifold[LEFT_OUT], candidates[CANDIDATE * k + SEPARATION])
+    return kept
+
+
+@compiled(inline=True)
+def _is_chosen(chosen: Any, count: int, candidate: int) -> bool:
+    found = False
+    for k in range(count):
+        found |= chosen[k] == candidate
+    return found
+
+
+@compiled
+def _choose_lowest(candidates: Any, count: int, chosen: Any) -> None:
+    """Choose the four candidates of smallest separation."""
+    for kept in range(4):
+        least = math.inf
+        for k in range(count):
+            gap = candidates[CANDIDATE * k + SEPARATION]
+            if gap < least and not _is_chosen(chosen, kept, k):
+                chosen[kept], least = k, gap
+
+
+@compiled
+def _drop_above(candidates: Any, count: int, highest: float) -> None:
+    """Move candidates up to where those with a larger separation than the highest were."""
+    kept = 0
+    for k in range(count):
+        if candidates[CANDIDATE * k + SEPARATION] <= highest:
+            for j in range(CANDIDATE):
+                candidates[CANDIDATE * kept + j] = candidates[CANDIDATE * k + j]
+            kept += 1
+
+
+@compiled
+def _choose_by_area(candidates: Any, count: int, normal: Vector, tolerance: float, chosen: Any) -> int:
+    """Choose up to four candidates that span nearly the same area as all of them, and return their number.
+
+    The deepest; the farthest from it; the one that forms the largest triangle with both; and the one that adds the largest area
+    to this.
+    """
     first = count - 1
     for k in range(count - 1):
         if candidates[CANDIDATE * k + SEPARATION] < candidates[CANDIDATE * first + SEPARATION] - tolerance:

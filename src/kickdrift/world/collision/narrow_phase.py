@@ -16,6 +16,7 @@ from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FOUND_POSE,
+    LEFT_OUT,
     MOVING,
     NORMAL,
     ON_A,
@@ -87,6 +88,7 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     before = contact[row, POINTS]
     old = carray(floats_on_stack(OLD_SIZE), (OLD_SIZE,))
     keep_points(own, before, old)
+    own[LEFT_OUT] = math.inf
     count = collide(
         integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
         (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),

@@ -53,7 +53,7 @@ def plane_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
         if corner[2] <= margin:
             put_candidate(candidates, CANDIDATE * count, corner, corner[2], number)
             count += 1
-    kept = choose(candidates, count, _UP, tolerance_of(margin, hull[THICKNESS]), chosen)
+    kept = choose(candidates, count, _UP, tolerance_of(margin, hull[THICKNESS]), manifold, chosen)
     beside, gap = vertex_beside(hull, seen, face, hull, seen, -1, _UP, 0.0)
     if gap <= margin:
         put_candidate(candidates, CANDIDATE * count, vertex(seen, beside), gap, beside)

@@ -143,7 +143,7 @@ def touching(
         if depth > margin or depth < least:
             continue
         if attempt >= 2 or abs(depth - gap) <= off:
-            kept = choose(candidates, count, normal, tolerance, chosen)
+            kept = choose(candidates, count, normal, tolerance, manifold, chosen)
             if least <= height <= margin:
                 ids = beside + (MOST_VERTICES if by_b else 0)
                 put_candidate(candidates, CANDIDATE * count, vertex(other_seen, beside), height, ids)

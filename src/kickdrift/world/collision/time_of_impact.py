@@ -43,6 +43,7 @@ from kickdrift.world.contacts.layout import (
     POINT,
     POINT_SIZE,
     POINTS,
+    REACHABLE,
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
@@ -106,6 +107,7 @@ def _advance(world: int, row: int, way: float) -> None:
         if left > 0.0:
             when = min(when + left, until)
             continue
+        floats(world, MANIFOLD)[row, REACHABLE] = settings[0, MARGIN] + way
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
         if contact[row, POINTS] == 0:
             if not on_surface or when >= step:

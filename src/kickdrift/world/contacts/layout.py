@@ -62,7 +62,8 @@ POINT_SIZE = _POINT.close()
 # Columns of MANIFOLD. Every step writes those from NORMAL_IMPULSE to TWIST_IMPULSE, which are one cache line.
 NORMAL = column(MANIFOLD, 3)  # in the frame of the first shape
 ROLLING_IMPULSE = column(MANIFOLD, 3, "N m s")  # in the world's axes
-column(MANIFOLD, 2)  # spare
+REACHABLE = column(MANIFOLD, 1, "m")  # gap up to which points may touch before they are found again
+LEFT_OUT = column(MANIFOLD, 1, "m")  # smallest gap of those that more than four points left out; inf if none
 POINT = column(MANIFOLD, 4 * POINT_SIZE)
 FOUND_POSE = column(MANIFOLD, 7)  # of the second shape in the first's frame, when the points were found
 RECYCLED = column(MANIFOLD, 1, "m")  # distance by which it may have moved since
