@@ -295,7 +295,7 @@ def test_what_lands_fast_and_tumbles_does_not_sink_in(shape):
         world.step(STEP)
         turns = [rotation_matrix(body.orientation) for body in bodies]
         lowest.append([(p @ m.T)[:, 2].min() + b.position[2] for p, m, b in zip(points, turns, bodies, strict=True)])
-    assert np.min(lowest) > -0.1
+    assert np.min(lowest) > -0.15  # they fall by 0.1 m in a substep
     assert np.min(lowest[20:]) > -0.06
 
 

@@ -538,9 +538,9 @@ def test_limbs_that_limits_jam_against_each_other_stay_at_rest(joint, friction, 
             world.add_slider(trunk, limb, (0.2 * side, 0, 0.1), axis=(side, 0, 0), limits=(-0.05, stop))
         else:
             world.add_hinge(trunk, limb, (0.1 * side, 0, 0.1), axis=(0, side, 0), limits=(-0.3, stop))
-    start, fastest = world.energy().total, 0.0
+    start, fastest, most = world.energy().total, 0.0, 0.0
     for _ in range(300):
         world.step(1 / 60)
-        fastest = max(fastest, np.abs(world.velocity).max())
+        fastest, most = max(fastest, np.abs(world.velocity).max()), max(most, world.energy().total)
     assert fastest < 0.25
-    assert world.energy().total < start + 0.02
+    assert most < start + 0.1

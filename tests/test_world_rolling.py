@@ -118,3 +118,64 @@ def test_a_ball_in_a_groove_turns_on_about_the_line_through_its_contacts(resista
         assert world.position[ball] == pytest.approx([10 * rate * radius * s, 0, radius / s], rel=1e-6, abs=1e-4)
     else:
         assert np.abs(world.velocity[ball]).max() < 1e-12
+
+
+def rock(rng):
+    points = rng.normal(size=(rng.integers(12, 60), 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    return points * rng.uniform(0.8, 1.0, size=(len(points), 1)) * rng.uniform(0.4, 1.0, 3)
+
+
+def prism(rng):
+    corners, thickness = rng.integers(6, 32), rng.choice([0.05, 0.2, 0.6, 2.0])
+    angles = np.arange(corners) * 2 * np.pi / corners
+    return np.array([(math.cos(a), math.sin(a), z) for a in angles for z in (-thickness / 2, thickness / 2)])
+
+
+@pytest.mark.parametrize("substep", [1 / 240, 1 / 3840])
+@pytest.mark.parametrize("shape", [rock, prism])
+def test_rolling_polyhedra_with_many_corners_gain_no_energy(shape, substep):
+    """The friction of a blow, applied again in the next substep, or corners that sink in and are pushed out, would add some."""
+    gained = []
+    for seed in (7, 22, 30, 43, 50, 52):
+        rng = np.random.default_rng(seed)
+        points = shape(rng) * 10 ** rng.uniform(-1.7, 0.0)
+        size, friction = np.abs(points).max(), rng.choice([0.3, 0.5, 1.0])
+        world, turn, fast = kd.World(), rng.normal(size=4), math.sqrt(G * size)
+        world.add_plane(friction=friction)
+        world.add_hull(
+            points,
+            position=(0, 0, 2.5 * size),
+            orientation=turn / np.linalg.norm(turn),
+            velocity=(*rng.normal(size=2) * 2 * fast, 0.0),
+            angular_velocity=rng.normal(size=3) * fast / size,
+            friction=friction,
+        )
+        last = start = world.energy().total
+        for _ in range(int(2.0 * math.sqrt(size / 0.1) / (4 * substep))):
+            world.step(4 * substep)
+            energy = world.energy().total
+            gained.append((energy - last) / start)
+            last = energy
+    assert max(gained) < 0.002
+
+
+def test_a_coin_of_24_corners_does_not_sink_in_as_it_rolls():
+    tilt, radius, thickness, angles = np.pi / 4, 0.1, 0.01, np.arange(24) * 2 * np.pi / 24
+    points = np.array(
+        [(radius * math.cos(a), radius * math.sin(a), z) for a in angles for z in (-thickness / 2, thickness / 2)]
+    )
+    world = kd.World()
+    world.add_plane(friction=1.0)
+    coin = world.add_hull(
+        points,
+        position=(0, 0, radius * math.sin(tilt) + thickness / 2 * math.cos(tilt)),
+        orientation=(math.cos(tilt / 2), 0, math.sin(tilt / 2), 0),
+        angular_velocity=2 * math.sqrt(G / radius * math.sin(tilt)) * np.array((-math.cos(tilt), 0, math.sin(tilt))),
+        friction=1.0,
+    )
+    lowest = 0.0
+    for _ in range(200):
+        world.step(1 / 960)
+        lowest = min(lowest, (points @ rotation_matrix(coin.orientation).T)[:, 2].min() + coin.position[2])
+    assert lowest > -1e-4

@@ -41,7 +41,7 @@ from kickdrift.world.table_checks import FileTables
 from kickdrift.world.tuning import MOST_SUBSTEPS
 
 _OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "PREDICTED", "BODY")
-_STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING
+_STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING | c.JUST_LANDED
 _SETTINGS = s.RESIDUAL  # columns before this one are settings
 
 

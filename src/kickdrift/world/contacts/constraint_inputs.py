@@ -17,6 +17,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
+from kickdrift.world.collision.body_acceleration import weight_per_mass
 from kickdrift.world.collision.narrow_phase import radius, smallest
 from kickdrift.world.collision.shape_poses import placed_pose
 from kickdrift.world.columns import quaternion_at, vector_at
@@ -37,7 +38,7 @@ from kickdrift.world.layout import (
     ROLLING,
     SURFACE_VELOCITY,
 )
-from kickdrift.world.settings import PLANE_NORMAL, STEP
+from kickdrift.world.settings import PLANE_NORMAL, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     CONTACT,
     INVERSE_MASS,
@@ -56,6 +57,8 @@ from kickdrift.world.tables import (
 # a tall stack are soft, and with arms that follow every lean it would bend like a soft rod, and fall. Contacts at edges and
 # points have no width, and round shapes roll: their arms always follow.
 _STILL, _CREEP = 1.2, 0.2
+# Times the speed that forces add in a substep: points that meet more slowly may be those of a resting body that rocks
+_LANDING = 4.0
 _ROUNDING = 1e-9  # of the size of the smaller shape: motion below this is rounding
 
 
@@ -99,6 +102,8 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = turning_a[k], turning_b[k]
     _gather_points(world, row, round_a, round_b, raw)
     _gather_masses(world, a, b, raw, scratch)
+    weight = max(weight_per_mass(world, a), weight_per_mass(world, b))
+    raw[r.LANDING * c.WIDTH] = _LANDING * step / floats(world, SETTINGS)[0, SUBSTEPS] * weight
     _gather_surfaces(world, row, soft, softer, raw)
     raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH])
     place = floats(world, PLACE)
@@ -157,11 +162,12 @@ def _gather_points(world: int, row: int, round_a: RollingCore, round_b: RollingC
             raw[(r.ON_B + at + j) * c.WIDTH] = on_b[j] if k < points else 0.0
         raw[(r.RADII + at) * c.WIDTH], raw[(r.RADII + at + 1) * c.WIDTH] = radius_a, radius_b
         raw[(r.IMPULSE + k) * c.WIDTH] = manifold[row, c.NORMAL_IMPULSE + k] if k < points else 0.0
+    keep = 0.0 if integers(world, CONTACT)[row, c.CONTACT_STATE] & c.JUST_LANDED else 1.0
     for k in range(3):
-        raw[(r.FRICTION_IMPULSE + k) * c.WIDTH] = manifold[row, c.FRICTION_IMPULSE + k]
+        raw[(r.FRICTION_IMPULSE + k) * c.WIDTH] = keep * manifold[row, c.FRICTION_IMPULSE + k]
         raw[(r.ROLLED + k) * c.WIDTH] = manifold[row, c.ROLLING_IMPULSE + k]
         raw[(r.AXIS_A + k) * c.WIDTH], raw[(r.AXIS_B + k) * c.WIDTH] = round_a[1][k], round_b[1][k]
-    raw[r.TWISTED * c.WIDTH] = manifold[row, c.TWIST_IMPULSE]
+    raw[r.TWISTED * c.WIDTH] = keep * manifold[row, c.TWIST_IMPULSE]
 
 
 @compiled(inline=True)

@@ -28,6 +28,7 @@ SENSOR = 2
 BOUNCED = 4  # bounced in this step
 FAST = 8  # its shapes may pass each other within the step
 MOVING = 16  # its arms were recomputed within the last step, or it is new
+JUST_LANDED = 32  # a point of it in the last substep
 
 # Columns of COLOURS
 COLOUR_CONTACTS = column(COLOURS)  # how many
@@ -111,6 +112,8 @@ TWISTING_IMPULSE = _CONSTRAINT.field(1, "N m s")
 ROLL_RESISTANCE = _CONSTRAINT.field(1, "m")
 ROLL_MASS = _CONSTRAINT.field(1, "kg m^2")
 ROLL_IMPULSE = _CONSTRAINT.field(3, "N m s")
+LANDED = _CONSTRAINT.field()  # 1.0 if one of its points landed in the substep
+LANDING_SPEED = _CONSTRAINT.field(1, "m/s")  # speed of approach above which unloaded points that meet have landed
 MASS_A = _CONSTRAINT.field(1, "1/kg")  # inverse masses
 MASS_B = _CONSTRAINT.field(1, "1/kg")
 REFERENCE = _CONSTRAINT.field(

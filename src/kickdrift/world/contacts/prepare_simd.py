@@ -35,6 +35,7 @@ RESISTANCE = _RAW.field(1, "m")
 ROLLED = _RAW.field(3, "N m s")
 SOFTNESS = _RAW.field(3)
 SHARE = _RAW.field()
+LANDING = _RAW.field(1, "m/s")
 STALE = _RAW.field(2, "rad, m")
 AXIS_A = _RAW.field(3)  # in the world's axes
 AXIS_B = _RAW.field(3)
@@ -161,6 +162,7 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         own[c.SHARE * W + lane], own[c.COUNT * W + lane] = raw[SHARE * W + lane], raw[COUNT * W + lane]
         own[c.MOST_TURN * W + lane], own[c.MOST_SLIDE * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
         own[c.REFRESHED * W + lane], own[c.BOUNCE_THRESHOLD * W + lane] = 0.0, 1e300
+        own[c.LANDED * W + lane], own[c.LANDING_SPEED * W + lane] = 0.0, raw[LANDING * W + lane]
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]
         x, y, z = vector(raw, SOFTNESS, lane)
         put(own, c.BIAS_RATE, lane, x, y, z)

@@ -171,9 +171,11 @@ def store(t: float, h: float, world: int) -> None:
             manifold[row, c.FRICTION_IMPULSE + 1] = d1 * u[1] + d2 * (n[2] * u[0] - n[0] * u[2])
             manifold[row, c.FRICTION_IMPULSE + 2] = d1 * u[2] + d2 * (n[0] * u[1] - n[1] * u[0])
             manifold[row, c.TWIST_IMPULSE] = own[c.TWISTING_IMPULSE * _W]
-            contact[row, c.CONTACT_STATE] &= ~c.MOVING
+            contact[row, c.CONTACT_STATE] &= ~(c.MOVING | c.JUST_LANDED)
             if own[c.REFRESHED * _W] > 0.0:
                 contact[row, c.CONTACT_STATE] |= c.MOVING
+            if own[c.LANDED * _W] > 0.0:
+                contact[row, c.CONTACT_STATE] |= c.JUST_LANDED
             if own[c.ROLL_RESISTANCE * _W] > 0.0:
                 for k in range(3):
                     manifold[row, c.ROLLING_IMPULSE + k] = own[(c.ROLL_IMPULSE + k) * _W]
