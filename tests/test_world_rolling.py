@@ -132,12 +132,12 @@ def prism(rng):
     return np.array([(math.cos(a), math.sin(a), z) for a in angles for z in (-thickness / 2, thickness / 2)])
 
 
-@pytest.mark.parametrize("substep", [1 / 240, 1 / 3840])
+@pytest.mark.parametrize(("substep", "most"), [(1 / 240, 2e-3), (1 / 3840, 1e-4)])
 @pytest.mark.parametrize("shape", [rock, prism])
-def test_rolling_polyhedra_with_many_corners_gain_no_energy(shape, substep):
+def test_rolling_polyhedra_with_many_corners_gain_no_energy(shape, substep, most):
     """The friction of a blow, applied again in the next substep, or corners that sink in and are pushed out, would add some."""
     gained = []
-    for seed in (7, 22, 30, 43, 50, 52):
+    for seed in (0, 38, 40, 48, 52, 64):
         rng = np.random.default_rng(seed)
         points = shape(rng) * 10 ** rng.uniform(-1.7, 0.0)
         size, friction = np.abs(points).max(), rng.choice([0.3, 0.5, 1.0])
@@ -157,7 +157,7 @@ def test_rolling_polyhedra_with_many_corners_gain_no_energy(shape, substep):
             energy = world.energy().total
             gained.append((energy - last) / start)
             last = energy
-    assert max(gained) < 0.002
+    assert max(gained) < most
 
 
 def test_a_coin_of_24_corners_does_not_sink_in_as_it_rolls():
