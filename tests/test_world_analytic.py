@@ -302,6 +302,24 @@ def test_rolling_resistance_is_a_lever_of_the_normal_force(floor, step):
     assert np.abs(world.velocity[2]).max() < 1e-12
 
 
+@pytest.mark.parametrize("across", [None, (0, 1, 0), (0, -1, 0), (1, 0, 0)])
+def test_rolling_resistance_brakes_a_cart_on_two_wheels(across):
+    """Its mass, with that of rolling wheels of 1.4 times theirs, is 3.8 kg, and its weight that of 3 kg."""
+    ahead, left = ((0, 1, 0), (-1, 0, 0)) if across == (1, 0, 0) else ((1, 0, 0), (0, 1, 0))
+    ahead, left = np.array(ahead), np.array(left)
+    lever, radius, speed = 0.01, 0.1, 2.0
+    world = World(plane_normal=across)
+    world.add_plane(friction=1.0)
+    cart = world.add_box(abs(0.5 * ahead) + 0.1, position=(0, 0, radius), velocity=speed * ahead, mass=1.0)
+    for side in (-1, 1):
+        at = 0.4 * side * ahead + (0, 0, radius)
+        motion = {"velocity": speed * ahead, "angular_velocity": speed / radius * left}
+        wheel = world.add_sphere(radius, position=at, mass=1.0, rolling_resistance=lever, friction=1.0, **motion)
+        world.add_hinge(cart, wheel, anchor=at, axis=left)
+    world.advance(1 / 60, 60)
+    assert cart.velocity @ ahead == pytest.approx(speed - lever / radius * G * 3.0 / 3.8, rel=1e-5)
+
+
 @pytest.mark.parametrize("step", STEPS)
 def test_without_rolling_resistance_a_ball_rolls_on(step):
     for speed in (0.1, 0.5, 2.0):

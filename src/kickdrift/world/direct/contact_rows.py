@@ -127,6 +127,19 @@ def bound_of(k: int) -> int:
 
 
 @compiled(cached=False, fast=True)
+def share_stiffness(rows: Any, bound: int) -> None:
+    """Let the first row of a bound, which stands for all of them, be as stiff as another one if it does not yield itself.
+
+    In a planar world bodies turn about one axis alone, which need not be the first.
+    """
+    begin = first_row(bound)
+    for k in range(begin + 1, begin + bound_rows(bound)):
+        if rows[ACTIVE + begin] == 0.0:
+            for number in (ACTIVE, ROW_MASS, STIFFNESS):
+                rows[number + begin] = rows[number + k]
+
+
+@compiled(cached=False, fast=True)
 def find_bounds(own: Any, rows: Any) -> None:
     """Bound friction, torsion and rolling resistance by the normal impulses of the current solution."""
     normal, lever = 0.0, 0.0

@@ -22,6 +22,7 @@ from kickdrift.world.direct.contact_rows import (
     first_row,
     fix,
     impulse_field,
+    share_stiffness,
     update_bound_states,
     update_point_states,
     weigh,
@@ -180,6 +181,7 @@ def _begin_friction(
             if task == BOUNCE_FRICTION:
                 numbers[IMPULSE + k] = 0.0
                 numbers[WANTED + k] += returned * (numbers[SPEED + k] - speed)
+        share_stiffness(numbers, bound)
 
 
 @compiled(inline=True, cached=False, fast=True)
