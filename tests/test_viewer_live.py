@@ -314,6 +314,13 @@ def test_it_is_not_passed_on_to_a_public_relay(server):
     assert server.request_share_url() is None
 
 
+def test_a_connection_without_a_request_is_closed(monkeypatch):
+    """A server that stops waits for it, and browsers open such connections."""
+    monkeypatch.setattr("kickdrift.viewer.server._PATIENCE", 0.1)
+    with local_server(0) as started, socket.create_connection(("127.0.0.1", started.get_port()), timeout=5.0) as idle:
+        assert idle.recv(1) == b""
+
+
 def test_the_version_of_viser_is_bound_to_those_that_it_was_looked_at_in():
     # How viser starts its server and what it sends a browser is not promised by it: raise the bound after a look at both.
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]

@@ -17,6 +17,8 @@ from kickdrift.core.errors import ArgumentError, KickdriftError, missing_extra
 ADDRESS = "127.0.0.1"
 _NAMES = (ADDRESS, "localhost")  # under which browsers on this machine ask for it
 _VISERS = "viser.infra._infra"  # module that starts servers
+# Browsers open connections in advance, and a server that stops waits for their requests: for 10 s by default.
+_PATIENCE = 3.0  # s
 _starting = threading.Lock()
 
 
@@ -67,7 +69,7 @@ def local_server(port: int) -> Iterator[Any]:
         if handler.__module__ == _VISERS:
             process_request = _guard(process_request)
             guarded.append(handler)
-        return serve(handler, *arguments, process_request=process_request, **options)
+        return serve(handler, *arguments, process_request=process_request, open_timeout=_PATIENCE, **options)
 
     with _quiet(rich.get_console()), _starting:
         websockets.serve = serve_guarded  # viser has no way to hand it down
