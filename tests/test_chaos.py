@@ -47,7 +47,7 @@ def test_tangents_of_orbits_are_symplectic_and_their_chains_multiply():
     assert np.abs(one.T @ omega @ one - omega).max() < 1e-11
     sol = kd.solve(KEPLER, (0.0, 0.1), step=0.05, method="leapfrog")
     next_ = analysis.tangent_map(KEPLER, "leapfrog", 0.05, (sol.x[1], sol.v[1]), increment=1e-3)
-    both = analysis.tangent_map(KEPLER, "leapfrog", 0.05, n_steps=2, increment=1e-3)
+    both = analysis.tangent_map(KEPLER, "leapfrog", 0.05, n_steps=np.int64(2), increment=1e-3)
     assert np.allclose(next_ @ one, both, rtol=0, atol=1e-9)
 
 
@@ -88,7 +88,12 @@ def test_tangents_of_first_order_equations_and_of_forces_that_depend_on_time():
 
 @pytest.mark.parametrize(
     ("options", "reason"),
-    [({"step": 0.0}, "step=0.0"), ({"n_steps": 0}, "n_steps=0"), ({"increment": 1.0}, "increment=1.0")],
+    [
+        ({"step": 0.0}, "step=0.0"),
+        ({"n_steps": 0}, "n_steps=0"),
+        ({"n_steps": True}, "n_steps=True"),
+        ({"increment": 1.0}, "increment=1.0"),
+    ],
 )
 def test_tangents_that_cannot_be_are_refused(options, reason):
     with pytest.raises(ArgumentError, match=reason):

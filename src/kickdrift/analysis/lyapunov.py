@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift import methods
 from kickdrift.analysis.spans import ends_of, step_of
 from kickdrift.analysis.tangent import Steps, scales_of
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.systems.problem import Problem
 from kickdrift.systems.system import System
@@ -110,7 +111,7 @@ def lyapunov_exponent(
     n_steps = max(2, math.ceil(abs(end - begin) / step * (1 - 1e-12)))
     h = (end - begin) / n_steps
     steps = Steps(problem, method, h, x0, v0, t=begin, args=args, compile_=compile)
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= steps.start.size:
+    if not is_whole(count, 1, steps.start.size):
         raise ArgumentError(
             f"count={count!r} must be a whole number from 1 to {steps.start.size}, the dimension of the state."
         )

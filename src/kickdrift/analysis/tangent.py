@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
 from kickdrift.analysis.spans import step_of
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.solve import solve
 from kickdrift.systems.problem import Problem
@@ -96,7 +97,7 @@ def tangent_map(
     """
     if not 0 < increment < 1:
         raise ArgumentError(f"increment={increment!r} must lie between 0 and 1; 2e-3 suits most problems.")
-    if not isinstance(n_steps, int) or n_steps < 1:
+    if not is_whole(n_steps, 1):
         raise ArgumentError(f"n_steps={n_steps!r} must be a whole number of at least 1.")
     steps = Steps(problem, method, step, *(at if at is not None else (None, None)), t=t, args=args, compile_=compile)
     matrix, state, size = np.eye(steps.start.size), steps.start, steps.x0.size

@@ -102,11 +102,16 @@ def choice(argument: str, value: Any) -> bool:
     return bool(value)
 
 
+def is_whole(value: Any, least: int, most: float = math.inf) -> bool:
+    """Whether a value is a whole number, of Python or NumPy, in a range; True and False are not."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(least <= value <= most)
+
+
 def number_of_steps(argument: str, value: int | None, default: int = MOST_STEPS) -> int:
     """Return the number of steps that a user gives, at most `MOST_STEPS`; ArgumentError for anything else."""
     if value is None:
         return default
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+    if not is_whole(value, 1):
         raise ArgumentError(f"{argument}={value!r} must be a positive whole number of steps.")
     return min(int(value), MOST_STEPS)
 

@@ -11,9 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-import numpy as np
-
 from kickdrift.core import archive
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.locking import FileLock, LockedError
 from kickdrift.engine.grid import Grid, with_step
@@ -54,8 +53,7 @@ class Checkpoints:
 
     def __init__(self, folder: Any, every: Any, keep: Any, identity: Mapping[str, str]) -> None:
         for name, value in (("checkpoint_every", every), ("checkpoint_keep", keep)):
-            whole = isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= 1
-            if value is not None and not whole:
+            if value is not None and not is_whole(value, 1):
                 raise ArgumentError(f"{name}={value!r} must be a whole number of at least 1.")
         if not isinstance(folder, str | os.PathLike) or not str(folder) or "\0" in str(folder):
             raise ArgumentError(f"checkpoint={folder!r} is not a path; give a folder, such as 'run.checkpoints'.")

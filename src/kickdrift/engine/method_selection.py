@@ -2,9 +2,8 @@
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from kickdrift import methods
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, MethodMismatchError
 from kickdrift.core.kinds import Kind
 from kickdrift.engine.pericentres import fastest_pericentre
@@ -150,7 +149,7 @@ def check_wanted(method: Any, order: Any) -> None:
             raise ArgumentError(
                 f"order={order!r} is for method='auto'; {method!r} has its own order. Leave one of them out."
             )
-    elif order is not None and (isinstance(order, bool) or not isinstance(order, int | np.integer) or order < 1):
+    elif order is not None and not is_whole(order, 1):
         raise ArgumentError(f"order={order!r} must be a positive whole number.")
 
 

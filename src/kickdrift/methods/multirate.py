@@ -1,7 +1,6 @@
 """The impulse method: rare kicks by the slow part of the force, and small steps with the fast part between them."""
 
-import numpy as np
-
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
@@ -44,7 +43,7 @@ def respa(substeps: int = _SUBSTEPS) -> Method:
     >>> kd.methods.respa(substeps=20).name
     'respa-2-substeps-20'
     """
-    if isinstance(substeps, bool) or not isinstance(substeps, int | np.integer) or substeps < 1:
+    if not is_whole(substeps, 1):
         raise ArgumentError(f"substeps={substeps!r} must be a positive whole number, of steps with the fast force.")
     return Method(
         name="respa-2" if substeps == _SUBSTEPS else f"respa-2-substeps-{substeps}",

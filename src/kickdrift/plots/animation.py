@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.core.files import written
 from kickdrift.engine.progress import Bar
@@ -65,7 +66,7 @@ def animate_recording(
     """
     if not (isinstance(speed, int | float | np.integer | np.floating) and 0.0 < float(speed) < math.inf):
         raise ArgumentError(f"speed={speed!r} must be positive and finite; 1 is real time, 0.5 half as fast.")
-    if not (isinstance(rate, int | np.integer) and 1 <= rate <= 50):
+    if not is_whole(rate, 1, 50):
         raise ArgumentError(f"rate={rate!r} must be a whole number of frames per second, from 1 to 50.")
     target = Path(path)
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kickdrift.core.arguments import check_checkpoint_every, choice
+from kickdrift.core.arguments import check_checkpoint_every, choice, is_whole
 from kickdrift.core.errors import ArgumentError, FileFormatError, depth_of_caller
 from kickdrift.core.naming import digest
 from kickdrift.engine.description import Description
@@ -252,7 +252,7 @@ def _run(
 def _threads(threads: int | None) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or threads < 1:
+    if not is_whole(threads, 1):
         raise ArgumentError(f"threads={threads!r} must be a positive whole number.")
     if threads > _MOST_THREADS:
         raise ArgumentError(f"threads={threads!r} is more than any machine has cores; give {_MOST_THREADS} at most.")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.compilation import unbound
 from kickdrift.core.elementwise import multiply, subtract_product
 from kickdrift.core.errors import ArgumentError
@@ -117,7 +118,7 @@ def _with_friction(t: float, x: Floats, v: Floats, params: Floats, out: Floats) 
 
 
 def _halves(seed: int) -> Floats:
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < _HALF_WORD**2:
+    if not is_whole(seed, 0, _HALF_WORD**2 - 1):
         raise ArgumentError(f"seed={seed!r} must be an integer from 0 to 2**64 - 1.")
     high, low = divmod(int(seed), _HALF_WORD)
     return np.array([low, high], dtype=np.float64)

@@ -5,6 +5,7 @@ from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 
@@ -45,7 +46,7 @@ def show(solution: Solution, height: int = 480) -> Embedded:
     KickdriftError
         As for `Solution.to_html`.
     """
-    if isinstance(height, bool) or not (isinstance(height, int) and 0 < height < 100_000):
+    if not is_whole(height, 1, 99_999):
         raise ArgumentError(f"height={height!r} must be a whole number of pixels, from 1 to 99999; 480 is usual.")
     with TemporaryDirectory() as folder:
         written = solution.to_html(Path(folder) / "page.html")

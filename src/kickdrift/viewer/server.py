@@ -10,8 +10,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-import numpy as np
-
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, KickdriftError, missing_extra
 
 ADDRESS = "127.0.0.1"
@@ -116,7 +115,7 @@ def _guard(process_request: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _check_free(port: int) -> None:
-    if isinstance(port, bool) or not (isinstance(port, int | np.integer) and 0 <= port < 1 << 16):
+    if not is_whole(port, 0, 65535):
         raise ArgumentError(f"port={port!r} must be a whole number from 0 to 65535; 0 chooses a free one.")
     with socket.socket() as probe:
         if sys.platform != "win32":  # where it would bind to one that is taken, instead of one left a moment ago

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.random import fill_normal
@@ -124,6 +125,6 @@ def _waves(flow: Floats, strength: float, length: float, seed: int) -> Floats:
 
 
 def _checked_seed(seed: int) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**64:
+    if not is_whole(seed, 0, 2**64 - 1):
         raise ArgumentError(f"seed={seed!r} must be a whole number from 0 to 2**64 - 1.")
     return int(seed)

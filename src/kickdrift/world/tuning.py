@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.argument_checks import choice, vector
 from kickdrift.world.bodies.handle import Body
@@ -52,9 +53,7 @@ class Tunable:
     @substeps.setter
     @undivided
     def substeps(self, substeps: int) -> None:
-        if isinstance(substeps, bool) or not (
-            isinstance(substeps, int | np.integer) and 1 <= substeps <= MOST_SUBSTEPS
-        ):
+        if not is_whole(substeps, 1, MOST_SUBSTEPS):
             raise ArgumentError(f"substeps={substeps!r} must be a whole number from 1 to {MOST_SUBSTEPS}.")
         self.tables.array(SETTINGS)[0, SUBSTEPS] = substeps
         self.tables.altered = True

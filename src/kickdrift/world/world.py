@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.threads import launch
 from kickdrift.world import settings
@@ -274,7 +275,7 @@ class World(
         1.0
         """
         step = number("step", step, "s; 1/60 is usual", zero=False)
-        if not (type(count) is int or isinstance(count, np.integer)) or count < 0:
+        if not is_whole(count, 0):
             raise ArgumentError(f"count={count!r} must be a whole number of steps, zero or more.")
         self.advance_from(self.time, 0, step, int(count))
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.arguments import real, reals
+from kickdrift.core.arguments import is_whole, real, reals
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.argument_checks import choice
@@ -91,7 +91,7 @@ class Surface:
         if not isinstance(layers, Collection) or (isinstance(layers, np.ndarray) and layers.ndim == 0):
             raise ArgumentError(f"collides_with={layers!r} must be a sequence of layers, whole numbers from 0 to 61.")
         for layer in (self.layer, *layers):
-            if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
+            if not is_whole(layer, 0, 61):
                 raise ArgumentError(f"layer={layer!r} must be a whole number from 0 to 61.")
         choice("sensor", self.sensor)
 

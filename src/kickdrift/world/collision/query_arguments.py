@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.arguments import real, reals
+from kickdrift.core.arguments import is_whole, real, reals
 from kickdrift.core.errors import ArgumentError
 
 Floats = NDArray[np.float64]
@@ -72,7 +72,7 @@ def layer_bits(layers: Iterable[int] | None) -> int:
         raise ArgumentError(f"layers={layers!r} must be a sequence of layers, whole numbers from 0 to 61.")
     wanted = 0
     for layer in layers:
-        if not (isinstance(layer, int | np.integer) and 0 <= layer < 62):
+        if not is_whole(layer, 0, 61):
             raise ArgumentError(f"layers contains {layer!r}; a layer is a whole number from 0 to 61.")
         wanted |= 1 << int(layer)
     return wanted

@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis_options import LOCKED, finite
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.joint_positions import measure_again
+from kickdrift.world.joints.placement import measure_again
 from kickdrift.world.joints.record import Geared, Placement, Record
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints.axis_options import finite
 from kickdrift.world.joints.handle_laws import HasLaws
-from kickdrift.world.joints.joint_positions import place, set_speed
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
+from kickdrift.world.joints.placement import place, set_speed
 from kickdrift.world.joints.views import JointViews, look_up
 from kickdrift.world.layout import AWAKE, LOAD_TORQUE, TIME_AT_REST
 
@@ -250,7 +251,7 @@ class Joint(HasLaws):
                     " for a linear or 3-5 for an angular one, or use angles or positions."
                 )
             return principal
-        if isinstance(axis, bool) or not (isinstance(axis, int | np.integer) and 0 <= axis < 6):
+        if not is_whole(axis, 0, 5):
             raise ArgumentError(f"axis={axis!r} must be 0-2 for a linear or 3-5 for an angular axis.")
         return axis
 

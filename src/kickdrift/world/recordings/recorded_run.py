@@ -7,9 +7,7 @@ from contextlib import ExitStack, closing, contextmanager, nullcontext
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from kickdrift.core.arguments import choice
+from kickdrift.core.arguments import choice, is_whole
 from kickdrift.core.errors import ArgumentError, FileFormatError, LostBodyError
 from kickdrift.core.interruption import InterruptionNoted, next_chunk
 from kickdrift.core.outcomes import Outcome
@@ -97,7 +95,7 @@ def _run(world: "World", grid: Grid, progress: bool | None, keeper: Keeper | Non
 @contextmanager
 def record(world: "World", save_every: int, kept: Kept) -> Iterator[Recording]:
     """Record the steps done in a block; see `World.record`."""
-    if isinstance(save_every, bool) or not (isinstance(save_every, int | np.integer) and save_every >= 1):
+    if not is_whole(save_every, 1):
         raise ArgumentError(f"save_every={save_every!r} must be a whole number of steps, one or more.")
     if world.recorder is not None:
         raise ArgumentError("the world is already being recorded; end that recording first, or keep more of its steps.")
