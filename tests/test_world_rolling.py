@@ -179,3 +179,21 @@ def test_a_coin_of_24_corners_does_not_sink_in_as_it_rolls():
         world.step(1 / 960)
         lowest = min(lowest, (points @ rotation_matrix(coin.orientation).T)[:, 2].min() + coin.position[2])
     assert lowest > -1e-4
+
+
+@pytest.mark.parametrize("step", [1 / 60, 1 / 30])
+@pytest.mark.parametrize("gap", [1e-5, 1.5e-4, 2e-3])
+@pytest.mark.parametrize("kind", ["prism", "cylinder"])
+def test_what_lands_flat_on_many_corners_lands_on_four_around_its_middle(kind, gap, step):
+    world, angles = kd.World(), np.arange(24) * 2 * np.pi / 24
+    world.add_box((4, 4, 1), position=(0, 0, -0.5), static=True)
+    if kind == "prism":
+        points = [(0.3 * math.cos(a), 0.3 * math.sin(a), z) for a in angles for z in (-0.05, 0.05)]
+        body = world.add_hull(points, position=(0, 0, 0.05 + gap))
+    else:
+        body = world.add_cylinder(0.3, 0.1, position=(0, 0, 0.05 + gap))
+    fastest = 0.0
+    for _ in range(20):
+        world.step(step)
+        fastest = max(fastest, np.linalg.norm(body.angular_velocity))
+    assert fastest < 0.05

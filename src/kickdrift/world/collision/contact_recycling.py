@@ -45,8 +45,8 @@ from kickdrift.world.tables import (
     rows,
 )
 
-# Of that motion of other shapes: up to it, their manifold is reused although it lacks points that may touch
-_LEVEL = 0.1
+# Of the motion up to which a manifold is reused: up to this part of it, one is reused that lacks points that may touch
+_INCOMPLETE = 0.1
 _STANDING = 1e-4  # of its size: motion up to which a round shape standing on three or more points keeps its manifold
 
 
@@ -77,9 +77,8 @@ def find_points(t: float, h: float, world: int) -> None:
         # A triangle without points may be as near as those with points: at its edges it leaves them to its neighbours.
         apart = contact[row, POINTS] == 0 and sort_of(world, a) != SURFACE
         tolerance = _tolerance(world, a, b, contact[row, POINTS])
-        if moved + way >= manifold[row, LEFT_OUT]:
-            tolerance *= _LEVEL
-        if moved + way < manifold[row, RECYCLED] and (apart or moved <= tolerance):
+        most = tolerance * (_INCOMPLETE if moved + way >= manifold[row, LEFT_OUT] else 1.0)
+        if moved + way < manifold[row, RECYCLED] and (apart or moved <= most):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
         if changes or _is_far(world, row, way):
@@ -87,7 +86,8 @@ def find_points(t: float, h: float, world: int) -> None:
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
         else:
-            manifold[row, REACHABLE] = way + _LEVEL * tolerance
+            pushed = settings[0, STEP] ** 2 * closing_acceleration(world, row)
+            manifold[row, REACHABLE] = way + pushed + _INCOMPLETE * tolerance
             find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
 
 

@@ -16,7 +16,7 @@ from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
 from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction
 from kickdrift.world.collision.manifold_points import put_normal, put_point
 from kickdrift.world.collision.shape_frames import directed, set_frame, set_frame_back
-from kickdrift.world.contacts.layout import FEATURE, NORMAL, ON_A, ON_B, POINT, POINT_SIZE
+from kickdrift.world.contacts.layout import FEATURE, LEFT_OUT, NORMAL, ON_A, ON_B, POINT, POINT_SIZE, REACHABLE
 from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial, signed_distance
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
 from kickdrift.world.tables import MANIFOLD
@@ -85,6 +85,7 @@ def _touching(f: Frustum, g: Frustum, frame: Any, back: Any, margin: float, mani
     if count > 1 or (count == 1 and not _is_doubtful(g, manifold, _gap(f, g, back, _normal(manifold)))):
         return count
     other = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
+    other[REACHABLE], other[LEFT_OUT] = manifold[REACHABLE], math.inf
     found = _as_polyhedron(g, f, frame, margin, other)
     if found == 0:
         return count
@@ -93,6 +94,7 @@ def _touching(f: Frustum, g: Frustum, frame: Any, back: Any, margin: float, mani
     if count > 0 and _gap(f, g, back, normal) <= best + SHARE_OFF * abs(best):
         return count
     put_normal(manifold, normal)
+    manifold[LEFT_OUT] = other[LEFT_OUT]
     for k in range(found):
         p = POINT + POINT_SIZE * k
         on_b = (other[p + ON_A], other[p + ON_A + 1], other[p + ON_A + 2])

@@ -32,7 +32,10 @@ KERNEL = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64,
 
 @compiled(fast=True, inline=True)
 def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
-    """Solve one point, whose fields begin at i; return the state: sum of impulses, normal and both angular velocities."""
+    """Solve one point, whose fields begin at i; return the state.
+
+    It is the sum of the impulses, the normal and both angular velocities, and 1.0 if a point has landed.
+    """
     rate, soft_mass, soft_impulse, per_h, bound, closed, bounces, lands, sum_mass = spring
     tx, ty, tz, ex, ey, ez = arms
     total, v, wax, way, waz, wbx, wby, wbz, landed = state
@@ -124,7 +127,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, bound: float, n: 
 
 @compiled(fast=True)
 def apply_impulses(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
-    """Apply the accumulated impulses to the velocities (warm start), without the friction of contacts that have just landed.
+    """Apply the accumulated impulses to the velocities (warm start); discard the friction of contacts that have just landed.
 
     The friction of a blow is no estimate of what follows, and nothing corrects it before the drift: rocks that land would
     gain up to 2 % of their energy.

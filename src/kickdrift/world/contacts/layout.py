@@ -28,7 +28,7 @@ SENSOR = 2
 BOUNCED = 4  # bounced in this step
 FAST = 8  # its shapes may pass each other within the step
 MOVING = 16  # its arms were recomputed within the last step, or it is new
-JUST_LANDED = 32  # a point of it in the last substep
+JUST_LANDED = 32  # one of its points landed in the last substep
 
 # Columns of COLOURS
 COLOUR_CONTACTS = column(COLOURS)  # how many
