@@ -127,16 +127,17 @@ def bound_of(k: int) -> int:
 
 
 @compiled(cached=False, fast=True)
-def share_stiffness(rows: Any, bound: int) -> None:
-    """Let the first row of a bound, which stands for all of them, be as stiff as another one if it does not yield itself.
+def share_stiffness(rows: Any) -> None:
+    """Let the first row of rolling resistance, which stands for all three, be as stiff as the one that yields most.
 
-    In a planar world bodies turn about one axis alone, which need not be the first.
+    In a planar world bodies turn about one axis alone, and hardly or not at all about that of the first row.
     """
-    begin = first_row(bound)
-    for k in range(begin + 1, begin + bound_rows(bound)):
-        if rows[ACTIVE + begin] == 0.0:
-            for number in (ACTIVE, ROW_MASS, STIFFNESS):
-                rows[number + begin] = rows[number + k]
+    most = ROLL
+    for k in range(ROLL + 1, ROLL + 3):
+        if rows[ACTIVE + k] != 0.0 and (rows[ACTIVE + most] == 0.0 or rows[ROW_MASS + k] < rows[ROW_MASS + most]):
+            most = k
+    for number in (ACTIVE, ROW_MASS, STIFFNESS):
+        rows[number + ROLL] = rows[number + most]
 
 
 @compiled(cached=False, fast=True)

@@ -181,7 +181,8 @@ def _begin_friction(
             if task == BOUNCE_FRICTION:
                 numbers[IMPULSE + k] = 0.0
                 numbers[WANTED + k] += returned * (numbers[SPEED + k] - speed)
-        share_stiffness(numbers, bound)
+        if bound == 2:
+            share_stiffness(numbers)
 
 
 @compiled(inline=True, cached=False, fast=True)
