@@ -10,6 +10,7 @@ are drifts D, and of the potential, whose flow are kicks K. With derivatives alo
 from collections.abc import Iterator
 from fractions import Fraction
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.methods import Letter, Method
 
@@ -29,7 +30,7 @@ def brackets(method: Method, order: int = MOST - 1) -> dict[str, Fraction]:
         For a method that is not a word of kicks and drifts, or an order, the last power of the step, that is not from 0 to
         4.
     """
-    if isinstance(order, bool) or not isinstance(order, int) or not 0 <= order < MOST:
+    if not is_whole(order, 0, MOST - 1):
         raise ArgumentError(f"order={order!r} must be a whole number from 0 to {MOST - 1}.")
     degree = order + 1
     if not {letter.plain for letter in method.letters} <= {Letter.KICK, Letter.DRIFT}:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
@@ -108,7 +109,7 @@ def poincare_section(
     """
     if isinstance(problem, Solution):
         number = surface
-        if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(problem.t_events):
+        if not is_whole(number, 0, len(problem.t_events) - 1):
             raise ArgumentError(
                 f"surface={surface!r} is not an event of the solution, which has {len(problem.t_events)}; solve with"
                 " events=..., and give the index of one, from 0."

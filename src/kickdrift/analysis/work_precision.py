@@ -14,7 +14,7 @@ from kickdrift import methods as catalogue
 from kickdrift.analysis.reference import end_of_reference
 from kickdrift.analysis.tables import Column, frame, markdown
 from kickdrift.analysis.work_curve import Curve
-from kickdrift.core.arguments import reals
+from kickdrift.core.arguments import is_whole, reals
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 from kickdrift.engine.solve import solve
@@ -138,7 +138,7 @@ def work_precision(
     """
     if isinstance(methods, str) or not methods:
         raise ArgumentError(f"methods={methods!r} must be a list of at least one method.")
-    if not isinstance(rounds, int) or rounds < 1:
+    if not is_whole(rounds, 1):
         raise ArgumentError(f"rounds={rounds!r} must be a whole number of at least 1.")
     wanted = {catalogue.get(method).name: _steps_of(method, steps) for method in methods}
     chosen = {catalogue.get(method).name: method for method in methods}

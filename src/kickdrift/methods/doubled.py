@@ -4,6 +4,7 @@ import math
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
@@ -54,7 +55,7 @@ def tao(order: int = 2, binding: float = _BINDING) -> Method:
     >>> method.order, method.kind.name
     (4, 'HAMILTONIAN')
     """
-    if isinstance(order, bool) or not isinstance(order, int) or order < 2 or order % 2:
+    if not is_whole(order, 2) or order % 2:
         raise ArgumentError(f"order={order!r} must be a positive even number, since the method is symmetric.")
     if not 0 < binding < math.inf:
         raise ArgumentError(f"binding={binding!r} must be positive and finite; {_BINDING} suits rates of about 1.")

@@ -68,7 +68,7 @@ def local_server(port: int) -> Iterator[Any]:
         if handler.__module__ == _VISERS:
             process_request = _guard(process_request)
             guarded.append(handler)
-        return serve(handler, *arguments, process_request=process_request, open_timeout=_PATIENCE, **options)
+        return serve(handler, *arguments, process_request=process_request, **{"open_timeout": _PATIENCE, **options})
 
     with _quiet(rich.get_console()), _starting:
         websockets.serve = serve_guarded  # viser has no way to hand it down
