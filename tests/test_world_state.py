@@ -288,6 +288,21 @@ def test_forces_are_given_again_and_the_bits_are_the_same(tmp_path):
     assert state(loaded) == state(world)
 
 
+@pytest.mark.parametrize("steps", [20, 60])
+def test_a_heap_that_is_solved_directly_goes_on_with_the_same_bits_from_a_file(steps, tmp_path):
+    angles, rng = np.arange(24) * 2 * np.pi / 24, np.random.default_rng(0)
+    prism = [(0.1 * np.cos(a), 0.1 * np.sin(a), z) for a in angles for z in (-0.04, 0.04)]
+    world = kd.World()
+    world.add_box((4, 4, 1), position=(0, 0, -0.5), static=True, friction=0.5)
+    for k in range(30):
+        world.add_hull(prism, position=(*rng.normal(size=2) * 0.1, 0.1 + 0.12 * k), friction=0.5)
+    world.advance(1 / 60, steps)
+    loaded = kd.load_world(world.save(tmp_path / "world.npz"))
+    for each in (world, loaded):
+        each.advance(1 / 60, 30)
+    assert np.array_equal(loaded.position, world.position)
+
+
 def test_a_world_of_numpy_numbers_is_saved(tmp_path):
     world = kd.World(sleeping=np.bool_(True), substeps=np.int64(3))
     rod = world.add_capsule(0.05, 0.5, position=(0, 0, 3), restitution=np.float32(0.5), layer=np.int8(3))

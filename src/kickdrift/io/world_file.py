@@ -22,8 +22,8 @@ from kickdrift.world.cloth.wind_functions import force_or_wind_of
 from kickdrift.world.collision.filters import part_joined
 from kickdrift.world.file_integrity import check
 from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED_JOINT
-from kickdrift.world.joints.spanning_tree import arrange
-from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, REMOVED, SEARCH_STATE, SHAPE_KIND
+from kickdrift.world.joints.spanning_tree import add_unjoined, arrange
+from kickdrift.world.layout import BODY_KIND, BODY_ROW, GONE, LINK_PLACE, REMOVED, SEARCH_STATE, SHAPE_KIND
 from kickdrift.world.layout import GENERATION as BODY_GENERATION
 from kickdrift.world.snapshot import TABLES, Snapshot, kept
 from kickdrift.world.tables import BODY, CLOTH, JOINT, JOINT_NUMBERS, LINK_NUMBERS, PLACE, SHAPE, Table, Tables
@@ -167,8 +167,10 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
     _place_shapes(shapes, head, arrays)
     check(kept(of))
     linked, brakes = of.array(LINK_NUMBERS).copy(), of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3].copy()
+    places = of.array(BODY)[:, LINK_PLACE].copy()
     arrange(of)
     part_joined(of)
+    add_unjoined(of, places)
     if len(linked) < of.count(LINK_NUMBERS):
         raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are joints")
     of.array(LINK_NUMBERS)[:] = linked[: of.count(LINK_NUMBERS)]

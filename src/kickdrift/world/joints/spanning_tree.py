@@ -60,6 +60,21 @@ def arrange(tables: Tables) -> None:
     _write(tables, parts)
 
 
+def add_unjoined(tables: Tables, places: NDArray[np.int64]) -> None:
+    """Give bodies without joints rows of `LINK` after those of joints, in the order of the `LINK_PLACE` that they had.
+
+    The next step finds the bodies of heaps anew, but until then treats those of the last step as such.
+    """
+    joined = int(tables.array(GRAPH)[0, j.JOINED_ROWS])
+    unjoined = np.flatnonzero((places > 0) & (tables.array(BODY)[:, LINK_PLACE] == 0))
+    unjoined = unjoined[np.argsort(places[unjoined], kind="stable")]
+    count = joined + len(unjoined)
+    tables.resize(LINK_NUMBERS, count)
+    tables.resize(LINK, count)[joined:, _OF_LINK] = j.NONE
+    tables.array(LINK)[joined:, j.LINK_BODY], tables.array(LINK)[joined:, j.SIGN] = unjoined, 1
+    tables.array(BODY)[unjoined, LINK_PLACE], tables.array(BODY)[unjoined, LINK_COUNT] = np.arange(joined, count) + 1, 1
+
+
 def _edges(tables: Tables) -> list[_Edge]:
     """Return the joints that hold a movable body; immovable bodies are -1."""
     joints = tables.array(JOINT)
