@@ -172,7 +172,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
     part_joined(of)
     add_unjoined(of, places)
     if len(linked) < of.count(LINK_NUMBERS):
-        raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are joints")
+        raise ValueError(f"table LINK_NUMBERS has {len(linked)} rows, fewer than there are links")
     of.array(LINK_NUMBERS)[:] = linked[: of.count(LINK_NUMBERS)]
     of.array(JOINT_NUMBERS)[:, BRAKE : BRAKE + 3] = brakes
     bodies, joints = of.array(BODY), of.array(JOINT)

@@ -17,6 +17,9 @@ from kickdrift.world.layout import (
 from kickdrift.world.settings import GRAVITY
 from kickdrift.world.tables import CONTACT, FORCE, INVERSE_MASS, PLACE, SETTINGS, floats, integers
 
+# Bodies at rest approach each other more slowly than at the speed that forces add in so many substeps.
+RESTING_SUBSTEPS = 4.0
+
 
 @compiled(inline=True)
 def acceleration(world: int, body: int) -> Vector:

@@ -71,7 +71,8 @@ def find_points(t: float, h: float, world: int) -> None:
         at_b, turn_b = placed_pose(world, b)
         at = turned_back(turn_a, minus(at_b, at_a))
         turn = product(conjugate(turn_a), turn_b)
-        way = _way(world, row)
+        pushed = settings[0, STEP] ** 2 * closing_acceleration(world, row)
+        way = _way(world, row, pushed)
         changes = has_change(world, contact[row, BODY_A]) or has_change(world, contact[row, BODY_B])
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
         # A triangle without points may be as near as those with points: at its edges it leaves them to its neighbours.
@@ -86,7 +87,6 @@ def find_points(t: float, h: float, world: int) -> None:
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
         else:
-            pushed = settings[0, STEP] ** 2 * closing_acceleration(world, row)
             manifold[row, REACHABLE] = way + pushed + _INCOMPLETE * tolerance
             find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
 
@@ -114,11 +114,10 @@ def _is_far(world: int, row: int, way: float) -> bool:
 
 
 @compiled(inline=True)
-def _way(world: int, row: int) -> float:
-    """Bound the distance by which shapes approach in the step, m, including the effect of forces beyond the margin."""
+def _way(world: int, row: int, pushed: float) -> float:
+    """Bound the distance by which shapes approach in the step, m, including what forces push them beyond the margin."""
     settings = floats(world, SETTINGS)
     step = settings[0, STEP]
-    pushed = step * step * closing_acceleration(world, row)
     way: float = step * _closing_speed(world, row) + max(pushed - settings[0, MARGIN], 0.0)
     for side in range(2):
         body = integers(world, CONTACT)[row, BODY_A + side]

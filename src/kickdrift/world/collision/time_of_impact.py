@@ -96,6 +96,7 @@ def _advance(world: int, row: int, way: float) -> None:
     when, gap, on_surface = 0.0, 0.0, sort_of(world, contact[row, SHAPE_A]) == SURFACE
     ball = place[contact[row, SHAPE_B], RADIUS]
     apart = max(settings[0, MARGIN] + step * step * pushed, _PART * ball)
+    floats(world, MANIFOLD)[row, REACHABLE] = settings[0, MARGIN] + way
     for _ in range(_ROUNDS):
         at, turn, turn_a = _relative(world, row, when)
         until = next_change(world, b, when, next_change(world, a, when, step))
@@ -107,7 +108,6 @@ def _advance(world: int, row: int, way: float) -> None:
         if left > 0.0:
             when = min(when + left, until)
             continue
-        floats(world, MANIFOLD)[row, REACHABLE] = settings[0, MARGIN] + way
         find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
         if contact[row, POINTS] == 0:
             if not on_surface or when >= step:

@@ -17,7 +17,7 @@ from kickdrift.core.vectors import (
     turned,
     turned_back,
 )
-from kickdrift.world.collision.body_acceleration import weight_per_mass
+from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, weight_per_mass
 from kickdrift.world.collision.narrow_phase import radius, smallest
 from kickdrift.world.collision.shape_poses import placed_pose
 from kickdrift.world.columns import quaternion_at, vector_at
@@ -57,8 +57,6 @@ from kickdrift.world.tables import (
 # a tall stack are soft, and with arms that follow every lean it would bend like a soft rod, and fall. Contacts at edges and
 # points have no width, and round shapes roll: their arms always follow.
 _STILL, _CREEP = 1.2, 0.2
-# Times the speed that forces add in a substep: points that meet more slowly may be those of a resting body that rocks
-_LANDING = 4.0
 _ROUNDING = 1e-9  # of the size of the smaller shape: motion below this is rounding
 
 
@@ -103,7 +101,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     _gather_points(world, row, round_a, round_b, raw)
     _gather_masses(world, a, b, raw, scratch)
     weight = max(weight_per_mass(world, a), weight_per_mass(world, b))
-    raw[r.LANDING * c.WIDTH] = _LANDING * step / floats(world, SETTINGS)[0, SUBSTEPS] * weight
+    raw[r.LANDING * c.WIDTH] = RESTING_SUBSTEPS * step / floats(world, SETTINGS)[0, SUBSTEPS] * weight
     _gather_surfaces(world, row, soft, softer, raw)
     raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH])
     place = floats(world, PLACE)

@@ -21,7 +21,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus
-from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
+from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, acceleration, angular_acceleration
 from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.columns import vector_at
@@ -200,8 +200,8 @@ def slowest_bounce(world: int, h: float, row: int) -> float:
     settings = floats(world, SETTINGS)
     slowest: float = settings[0, BOUNCE_SPEED]
     if slowest < 0.0:
-        # Resting bodies gain less in a few substeps. Without forces in it, bodies pressed by them would bounce for ever.
-        slowest = 4.0 * h * max(length(vector_at(settings, 0, GRAVITY)), pressing_acceleration(world, row))
+        # Without forces in it, bodies pressed by them would bounce for ever.
+        slowest = RESTING_SUBSTEPS * h * max(length(vector_at(settings, 0, GRAVITY)), pressing_acceleration(world, row))
     unseen: float = _UNSEEN * settings[0, SLOP] / h
     return max(slowest, unseen)
 
