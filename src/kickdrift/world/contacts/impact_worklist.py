@@ -7,7 +7,7 @@ half as long.
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impact_motion import is_moved
+from kickdrift.world.contacts.impact_motion import constraint, is_moved
 from kickdrift.world.layout import LAST_ROUND, LAST_SWEEP
 from kickdrift.world.tables import BOUNCING, CONTACT, KICKED, floats, integers, rows
 
@@ -24,6 +24,15 @@ def begin_rounds(world: int) -> None:
         row = bouncing[k, BOUNCING_CONTACT]
         bouncing[k, HITS_NOT] = 0
         kicked[contact[row, c.BODY_A], LAST_ROUND] = kicked[contact[row, c.BODY_B], LAST_ROUND] = -1.0
+
+
+@compiled
+def examine_hit_again(world: int) -> None:
+    """Let the next round examine all contacts that have hit in the substep."""
+    bouncing = integers(world, BOUNCING)
+    for k in range(rows(world, BOUNCING)):
+        if constraint(world, bouncing[k, BOUNCING_CONTACT])[c.REFERENCE * c.WIDTH] == c.HIT:
+            bouncing[k, HITS_NOT] = 0
 
 
 @compiled(inline=True)

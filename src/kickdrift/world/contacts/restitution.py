@@ -6,7 +6,9 @@ times the new velocities. So a ball that falls from a height h onto a floor rise
 
 Impacts are resolved in rounds, after B. Smith, D. M. Kaufman, E. Vouga, R. Tamstorf and E. Grinspun, "Reflections on
 Simultaneous Impact" (2012): in each round all contacts that are the first to hit on their bodies, simultaneously, until nothing
-hits any more. So momentum passes through a row of touching balls, and symmetry is preserved.
+hits any more. So momentum passes through a row of touching balls, and symmetry is preserved. What has hit and still approaches,
+slower than the bounce speed, is stopped in the end, together: a light plate that bounces between a floor and a heavy ball would
+be pressed into the floor otherwise.
 
 Contacts of shapes so fast that they may pass each other within the step are included even with e = 0: one sweep over the
 points of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
@@ -20,23 +22,28 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import cross, dot, length, minus
-from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, acceleration, angular_acceleration
 from kickdrift.world.collision.narrow_phase import smallest
 from kickdrift.world.collision.predicted_path import STRUCK
-from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.arm_refresh import hide_from_sweeps
+from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_approach, slowest_bounce
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact, vector_of
+from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
 from kickdrift.world.contacts.impact_rows import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
 from kickdrift.world.contacts.impact_time import find_time, rests
-from kickdrift.world.contacts.impact_worklist import BOUNCING_CONTACT, HITS_NOT, begin_rounds, is_quiet, note_hit
+from kickdrift.world.contacts.impact_worklist import (
+    BOUNCING_CONTACT,
+    HITS_NOT,
+    begin_rounds,
+    examine_hit_again,
+    is_quiet,
+    note_hit,
+)
 from kickdrift.world.contacts.inelastic_collapse import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.resting_support import add_support, remove_support
 from kickdrift.world.contacts.simultaneous_impact import find_impulses
-from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS, RESTITUTION
-from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, MARGIN, SLOP, SUBSTEPS
+from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS
+from kickdrift.world.settings import MARGIN, SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
@@ -61,7 +68,6 @@ _APART = 300
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FASTER = 2.0  # times the speed at which a contact seemed to hit and did not: then it may hit after all
-_UNSEEN = 1e-9  # of the slop: shorter ways in a substep are no approach; without weight, they would halve for ever
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
 
@@ -89,14 +95,6 @@ def find_bouncing(t: float, h: float, world: int) -> None:
             bouncing[count, BOUNCING_CONTACT] = row
             count += 1
     set_rows(world, BOUNCING, count)
-
-
-@compiled(inline=True)
-def restitution_of(world: int, row: int) -> float:
-    """Return the coefficient of restitution of a contact: the larger one of both shapes."""
-    contact, place = integers(world, CONTACT), floats(world, PLACE)
-    e: float = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-    return e
 
 
 @compiled
@@ -147,13 +145,18 @@ def bounce(t: float, h: float, world: int) -> None:
     if rows(world, BOUNCING) == 0:
         return
     begin_rounds(world)
-    body, first, fastest, near = 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP]
+    body, first, fastest, near, together = 0, 0.0, 0.0, 0.1 * floats(world, SETTINGS)[0, SLOP], False
     add_support(world)
     for n in range(_ROUNDS):
-        fastest, together = _find_round(world, n, h), n >= _APART
+        fastest = _find_round(world, n, h, together)
         first = max(first, fastest)
-        if fastest == 0.0 or (together and fastest <= _SLOW * first):
-            break
+        if fastest <= (_SLOW * first if together else 0.0):
+            if together or n == 0:
+                break
+            together = True
+            examine_hit_again(world)
+            continue
+        together = together or n >= _APART
         if together:
             join_touching(world)
         impact = floats(world, IMPACT)
@@ -180,7 +183,7 @@ def bounce(t: float, h: float, world: int) -> None:
             if was_hit:
                 integers(world, CONTACT)[int(impact[hit, ROW]), c.CONTACT_STATE] |= c.BOUNCED
     else:
-        fastest = _find_round(world, _ROUNDS, h)
+        fastest = _find_round(world, _ROUNDS, h, False)
     remove_support(world)
     if fastest > max(_ROUGH * first, near / h):
         warn_of_impacts(world, body, t)
@@ -195,36 +198,11 @@ def _is_linked(world: int, row: int) -> bool:
 
 
 @compiled
-def slowest_bounce(world: int, h: float, row: int) -> float:
-    """Return the speed of approach above which the shapes of a contact bounce, m/s."""
-    settings = floats(world, SETTINGS)
-    slowest: float = settings[0, BOUNCE_SPEED]
-    if slowest < 0.0:
-        # Without forces in it, bodies pressed by them would bounce for ever.
-        slowest = RESTING_SUBSTEPS * h * max(length(vector_at(settings, 0, GRAVITY)), pressing_acceleration(world, row))
-    unseen: float = _UNSEEN * settings[0, SLOP] / h
-    return max(slowest, unseen)
-
-
-@compiled(inline=True)
-def pressing_acceleration(world: int, row: int) -> float:
-    """Return the acceleration by which forces press the points of a contact together, along its normal, m/s^2."""
-    contact, own = integers(world, CONTACT), constraint(world, row)
-    a, b, normal = contact[row, c.BODY_A], contact[row, c.BODY_B], vector_of(own, c.N)
-    turn_a, turn_b = angular_acceleration(world, a), angular_acceleration(world, b)
-    fastest = 0.0
-    for k in range(contact[row, c.POINTS]):
-        arm_a = vector_of(own, c.P + c.POINT_FIELDS * k + c.ARM)
-        arm_b = minus(arm_a, cross(vector_of(own, c.BETWEEN), normal))
-        fastest = max(fastest, dot(turn_a, arm_a) - dot(turn_b, arm_b))
-    return dot(normal, minus(acceleration(world, a), acceleration(world, b))) + fastest
-
-
-@compiled
-def _find_round(world: int, n: int, h: float) -> float:
+def _find_round(world: int, n: int, h: float, together: bool) -> float:
     """Find the hits of a round, the first on both of their bodies; return the speed of the fastest, m/s, or 0.0 without any.
 
-    Contacts that did not hit are examined again only where the last round, n - 1, has hit one of their bodies.
+    Contacts that did not hit are examined again only where the last round, n - 1, has hit one of their bodies. `together` says
+    that those which have hit before do so at any speed.
     """
     impact, kicked, contact = floats(world, IMPACT), floats(world, KICKED), integers(world, CONTACT)
     found, fastest = 0, 0.0
@@ -236,7 +214,7 @@ def _find_round(world: int, n: int, h: float) -> float:
             continue
         own, bouncing[k, HITS_NOT] = constraint(world, row), 1
         missed, slower = own[c.REFERENCE * c.WIDTH] == c.MISSED, own[(c.REFERENCE + 1) * c.WIDTH]
-        hits = _find_times(world, h, row, impact[found])
+        hits = _find_times(world, h, row, together, impact[found])
         if missed and not (hits and impact[found, SPEED] > _FASTER * slower):
             own[c.REFERENCE * c.WIDTH] = c.MISSED
         elif hits:
@@ -271,10 +249,12 @@ def _find_round(world: int, n: int, h: float) -> float:
 
 
 @compiled
-def _find_times(world: int, h: float, row: int, hit: Any) -> bool:
+def _find_times(world: int, h: float, row: int, together: bool, hit: Any) -> bool:
     """Write times and speed of impact of the points of a contact into `hit`; return whether any hits within the substep."""
     contact, kicked = integers(world, CONTACT), floats(world, KICKED)
-    slowest, own = slowest_bounce(world, h, row), constraint(world, row)
+    own = constraint(world, row)
+    again = together and own[c.REFERENCE * c.WIDTH] == c.HIT
+    slowest = slowest_approach(world, h) if again else slowest_bounce(world, h, row)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
     hit[TIME] = math.inf
@@ -288,7 +268,7 @@ def _find_times(world: int, h: float, row: int, hit: Any) -> bool:
         hit[TIMES + k] = when
         if speed > 0.0 and when < hit[TIME]:
             hit[TIME], hit[SPEED] = when, speed
-        if free:
+        if free and not again:
             hide_from_sweeps(own, k)
             own[c.REFERENCE * c.WIDTH] = c.HIT
     hits: bool = hit[TIME] < math.inf
