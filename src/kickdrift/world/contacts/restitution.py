@@ -22,8 +22,6 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.narrow_phase import smallest
-from kickdrift.world.collision.predicted_path import STRUCK
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.arm_refresh import hide_from_sweeps
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_approach, slowest_bounce
@@ -42,8 +40,9 @@ from kickdrift.world.contacts.impact_worklist import (
 from kickdrift.world.contacts.inelastic_collapse import bodies_of, join_touching, warn_of_impacts
 from kickdrift.world.contacts.resting_support import add_support, remove_support
 from kickdrift.world.contacts.simultaneous_impact import find_impulses
-from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT, RADIUS
-from kickdrift.world.settings import MARGIN, SLOP, SUBSTEPS
+from kickdrift.world.contacts.struck_bodies import is_struck, mark_struck
+from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT
+from kickdrift.world.settings import SLOP, SUBSTEPS
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
@@ -51,9 +50,6 @@ from kickdrift.world.tables import (
     CONTACT,
     IMPACT,
     KICKED,
-    MANIFOLD,
-    PLACE,
-    PREDICTED,
     SETTINGS,
     floats,
     integers,
@@ -81,11 +77,11 @@ def find_bouncing(t: float, h: float, world: int) -> None:
     if rows(world, CONTACT) > room(world, IMPACT):
         ask_for_room(world, IMPACT, rows(world, CONTACT))
         return
-    struck = _mark_struck(world)
     bouncing, substep = integers(world, BOUNCING), h / floats(world, SETTINGS)[0, SUBSTEPS]
+    struck = mark_struck(world, substep)
     for row in range(rows(world, CONTACT)):
         e = restitution_of(world, row)
-        bounces = e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST or (struck and _is_struck(world, row))
+        bounces = e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST or (struck and is_struck(world, row))
         if not bounces or contact[row, c.PLACE_IN_GROUPS] < 0:
             continue
         linked = _is_linked(world, row)
@@ -95,48 +91,6 @@ def find_bouncing(t: float, h: float, world: int) -> None:
             bouncing[count, BOUNCING_CONTACT] = row
             count += 1
     set_rows(world, BOUNCING, count)
-
-
-@compiled
-def _mark_struck(world: int) -> bool:
-    """Mark bodies that may be struck so fast that they pass others in a substep; return whether there are any.
-
-    Their other contacts must stop them at the time of impact, before they have passed: the sweeps act too late.
-    """
-    contact, predicted, found = integers(world, CONTACT), floats(world, PREDICTED), False
-    for row in range(rows(world, CONTACT)):
-        found = found or strikes(world, row)
-    if not found:
-        return False
-    for body in range(rows(world, PREDICTED)):
-        predicted[body, STRUCK] = 0.0
-    for row in range(rows(world, CONTACT)):
-        if strikes(world, row):
-            predicted[contact[row, c.BODY_A], STRUCK] = predicted[contact[row, c.BODY_B], STRUCK] = 1.0
-    return True
-
-
-@compiled(inline=True)
-def strikes(world: int, row: int) -> bool:
-    """Whether the shapes of a fast contact approach by more than half the size of the smaller one in a substep."""
-    contact, place, settings = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)
-    if contact[row, c.CONTACT_STATE] & c.FAST == 0 or contact[row, c.PLACE_IN_GROUPS] < 0:
-        return False
-    way = floats(world, MANIFOLD)[row, c.RECYCLED] - settings[0, MARGIN]
-    size = smallest(place[contact[row, c.SHAPE_A], RADIUS], place[contact[row, c.SHAPE_B], RADIUS])
-    strikes: bool = way > 0.5 * settings[0, SUBSTEPS] * size
-    return strikes
-
-
-@compiled(inline=True)
-def _is_struck(world: int, row: int) -> bool:
-    """Whether a body of a contact is movable and marked by `_mark_struck`."""
-    contact, predicted = integers(world, CONTACT), floats(world, PREDICTED)
-    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    struck: bool = (is_moved(world, a) and predicted[a, STRUCK] != 0.0) or (
-        is_moved(world, b) and predicted[b, STRUCK] != 0.0
-    )
-    return struck
 
 
 @compiled

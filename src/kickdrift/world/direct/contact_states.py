@@ -207,6 +207,16 @@ def fastest_push(world: int, island: int) -> float:
 
 
 @compiled(cached=False, fast=True)
+def push_less(world: int, island: int, share: float) -> None:
+    """Reduce the speeds at which overlapping bodies of an island are to be pushed apart to a share of them."""
+    own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        numbers = contact_row(world, order[k, 0])
+        for i in range(TANGENT):
+            numbers[WANTED + i] *= share if numbers[WANTED + i] > 0.0 else 1.0
+
+
+@compiled(cached=False, fast=True)
 def is_cut(world: int, island: int) -> bool:
     """Whether an island touches another one that is solved directly."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)

@@ -18,7 +18,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.body_acceleration import closing_acceleration
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
-from kickdrift.world.contacts.restitution import strikes
+from kickdrift.world.contacts.struck_bodies import strikes
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contact_states import BOUNCE, BOUNCE_FRICTION, read_both, twelve

@@ -15,7 +15,7 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
-from kickdrift.world.direct.contact_states import PRESS, begin_contacts, fastest_push, is_cut, note_impulses
+from kickdrift.world.direct.contact_states import PRESS, begin_contacts, fastest_push, is_cut, note_impulses, push_less
 from kickdrift.world.direct.energy_bounds import energy_given
 from kickdrift.world.direct.energy_guard import allowance
 from kickdrift.world.direct.island_velocities import (
@@ -86,20 +86,27 @@ def measure_islands(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _press(world: int, island: int, h: float) -> None:
-    """Solve an island without joints, warm started; if bodies become too fast, from zero impulses; if that fails, not at all.
+    """Solve an island without joints, warm started; if bodies become too fast, from zero impulses, and then pushing less.
 
-    The impulses of a spurious solution may be far too large, and would throw the lightest body.
+    The impulses of a spurious solution may be far too large, and would throw the lightest body; so would the push apart of two
+    heavy ones between which it is wedged. If nothing helps, the island is not solved at all.
     """
-    for trial in range(2):
+    most, share = 0.0, 1.0
+    for trial in range(3):
         if trial == 1:
             forget_contacts(world, island)
             note_velocities(world, island)
             note_impulses(world, island, False)
         begin_contacts(world, island, h, PRESS)
-        most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + fastest_push(world, island))
+        if trial == 2:
+            push_less(world, island, share)
+        else:
+            most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + fastest_push(world, island))
         solve(world, island, h, h, PRESS, True, True)
-        if fastest(world, island, MOTION, LINEAR_PART) <= most:
+        reached = fastest(world, island, MOTION, LINEAR_PART)
+        if reached <= most:
             return
+        share = 0.5 * most / reached
         take_back(world, island)
 
 
