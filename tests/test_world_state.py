@@ -848,6 +848,41 @@ def test_ctrl_c_in_many_steps_takes_effect_between_two_of_them():
     assert world.time == same.time
 
 
+def thrown(seed):
+    """Return a world of bodies that fall on each other; many ask for the direct solver in a step that is done in parts."""
+    rng, world = np.random.default_rng(seed), kd.World()
+    world.add_plane()
+    for k in range(5):
+        kind = {
+            "orientation": rng.normal(size=4),
+            "density": 10 ** rng.uniform(2, 4),
+            "restitution": rng.choice([0.0, 0.5]),
+        }
+        kind["position"] = (*rng.uniform(-0.3, 0.3, 2), 0.5 + 0.7 * k)
+        if k % 2:
+            world.add_box(rng.uniform(0.05, 0.6, 3), **kind)
+        else:
+            world.add_cylinder(rng.uniform(0.1, 0.3), rng.uniform(0.05, 0.6), **kind)
+    return world
+
+
+def test_many_steps_at_once_single_ones_and_copies_have_the_same_bits():
+    for seed in range(40):
+        whole, single, halfway, recorded = (thrown(seed) for _ in range(4))
+        whole.advance(STEP, 120)
+        for _ in range(120):
+            single.step(STEP)
+        halfway.advance(STEP, 60)
+        copied, snapshot = copy.deepcopy(halfway), halfway.snapshot()
+        halfway.advance(STEP, 30)
+        halfway.restore(snapshot)
+        recorded.run(2.0, STEP, save_every=60)
+        halfway.advance(STEP, 60)
+        copied.advance(STEP, 60)
+        for world in (single, halfway, copied, recorded):
+            assert np.array_equal(world.velocity, whole.velocity), seed
+
+
 def test_chunks_of_steps_change_no_bit(monkeypatch):
     whole, cut, recorded = swung(), swung(), swung()
     whole.advance(1 / 60, 500)

@@ -91,6 +91,7 @@ class DoesSteps:
                 try:
                     if halved:
                         at = self._do_parts(t0, first + done, step)
+                        program = self._ready(step)  # a part may have asked for stages
                         reached, halved = first + done + 1, False
                     else:
                         reached, at = self._run(program, t0, step, first + done, first + until, at)
