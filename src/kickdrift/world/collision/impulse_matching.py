@@ -113,8 +113,9 @@ def lose_points(world: int, row: int, old: Any, before: int, moved: Vector, near
         lost[at, _SQUARE], lost[at, _ROW] = near * near, -1
         for j in range(3):
             lost[at, _PLACE + j] = old[POINT_SIZE * k + ON_A + j] + moved[j]
+        share = impulse / total if total > impulse else 1.0  # rounding may leave less than the last impulse
         for j in range(7):
-            lost[at, _FRICTION + j] = own[_SHARED[j]] * (impulse / total)
+            lost[at, _FRICTION + j] = own[_SHARED[j]] * share
             own[_SHARED[j]] -= lost[at, _FRICTION + j]
         total -= impulse
         placed[b, LAST_LOST] = at + 1

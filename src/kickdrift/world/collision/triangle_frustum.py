@@ -37,6 +37,7 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     gap_face = -highest(f, times(-1.0, normal)) - offset
     if gap_face > margin:
         return 0
+    tolerance = tolerance_of(margin, min(f[2], max(f[0], f[1])))
     side, share, outward, gap_edge, apart, above = -1, 0.0, normal, -np.inf, gap_face, np.inf
     for k in range(3):
         p, q = vertex(seen, k), vertex(seen, (k + 1) % 3)
@@ -48,11 +49,12 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
         apart = max(apart, gap)
         if a[ACTIVE_EDGES + k] == 0.0 or -dot(n, normal) < _BACKWARDS:
             continue
+        if lift > tolerance and a[ACTIVE_EDGES + (k + 1) % 3] == 0.0 and a[ACTIVE_EDGES + (k + 2) % 3] == 0.0:
+            continue  # the opposite corner touches, at internal edges
         # All edges have the same normal where a corner touches an end: those with the lowest point are the ones that touch.
         if gap > gap_edge + _ROUNDING * size or (gap > gap_edge - _ROUNDING * size and lift < above):
             side, share, outward, gap_edge, above = k, t, n, gap, lift
     best = max(gap_face, gap_edge)
-    tolerance = tolerance_of(margin, min(f[2], max(f[0], f[1])))
     off = SHARE_OFF * abs(best) + tolerance
     if apart > 0.0 and best < apart - off:  # apart in a direction in which another triangle pushes, or none
         return 0

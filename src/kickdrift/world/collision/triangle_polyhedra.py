@@ -32,6 +32,7 @@ from kickdrift.world.shapes.polyhedron import (
     VERTICES,
     plane,
     pointer_to,
+    support,
     vertex,
 )
 from kickdrift.world.shapes.triangle import ACTIVE_EDGES
@@ -105,16 +106,14 @@ def _separation_of_faces(triangle: Any, a: Any, b: Any, margin: float) -> tuple[
 
 @compiled
 def _pushes(triangle: Any, a: Any, direction: Vector) -> bool:
-    """Whether the triangle may push in a direction, at the edge whose side is closest to it."""
-    best, most, up = 0, -np.inf, 0.0
-    for k in range(4):
-        outward, _ = plane(triangle, k)
-        along = dot(outward, direction)
-        if k == 0:
-            up = along
-        elif along > most:
-            best, most = k - 1, along
-    return a[ACTIVE_EDGES + best] != 0.0 and up > -_DOWN
+    """Whether the triangle may push in a direction: at that edge of its foremost corner whose side is closest to it."""
+    corner = support(triangle, direction)
+    before = (corner + 2) % 3
+    outward, _ = plane(triangle, 1 + corner)
+    other, _ = plane(triangle, 1 + before)
+    best = corner if dot(outward, direction) > dot(other, direction) else before
+    up, _ = plane(triangle, 0)
+    return a[ACTIVE_EDGES + best] != 0.0 and dot(up, direction) > -_DOWN
 
 
 @compiled
