@@ -81,3 +81,28 @@ def test_a_pole_that_leans_past_the_edge_of_a_thin_plate_is_not_pushed(degrees, 
     pole = world.add_capsule(0.03, 1.0, position=middle, orientation=turn, mass=1.0)
     world.step(1 / 60)
     assert np.abs(pole.velocity).max() == 0.0
+
+
+@pytest.mark.parametrize("kind", ["box", "cylinder", "hull"])
+def test_bodies_slide_over_the_inner_corner_of_a_small_mesh(kind):
+    """Edges of the border, opposite to the corner, do not push sideways there."""
+    around = 2.0 * np.pi / 7.0 * np.arange(7)
+    prism = [(0.3 * np.cos(a), 0.3 * np.sin(a), z) for a in around for z in (-0.1, 0.1)]
+    for seed in range(25):
+        rng = np.random.default_rng(seed)
+        vertices = [(x, y, 0.0) for x in (-4.0, 0.0, 4.0) for y in (-4.0, 0.0, 4.0)]
+        corners = [3 * i + j for i in (0, 1) for j in (0, 1)]
+        both = [
+            ((k, k + 3, k + 4), (k, k + 4, k + 1)) if rng.random() < 0.5 else ((k, k + 3, k + 1), (k + 1, k + 3, k + 4))
+            for k in corners
+        ]
+        world, angle = kd.World(), rng.uniform(0.0, 2.0 * np.pi)
+        world.add_mesh(vertices, [face for pair in both for face in pair], friction=0.3)
+        way = np.array([np.cos(angle), np.sin(angle), 0.0])
+        start = {"position": np.array([0.0, 0.0, 0.1]) - way, "velocity": 3.5 * way, "friction": 0.3}
+        if kind == "box":
+            body = world.add_box((0.6, 0.6, 0.2), **start)
+        else:
+            body = world.add_cylinder(0.3, 0.2, **start) if kind == "cylinder" else world.add_hull(prism, **start)
+        world.advance(1 / 60, 90)
+        assert np.linalg.norm(body.position[:2] + way[:2]) == pytest.approx(3.5**2 / (2.0 * 0.3 * 9.81), rel=0.02)

@@ -130,7 +130,9 @@ def touching(
                 return count
         by_b = b_first != (attempt % 2 == 1)
         own, own_seen, face, other, other_seen = (b, b_seen, face_b, a, a) if by_b else (a, a, face_a, b, b_seen)
-        if face < 0 or (attempt < 2 and (gap_b if by_b else gap_a) < gap - off):
+        gap_own = gap_b if by_b else gap_a
+        # Any face, at last, but none from which the other one would have to come out sideways, as from that at a far border.
+        if face < 0 or gap_own < (gap - off if attempt < 2 else 2.0 * min(gap, 0.0) - margin):
             continue
         normal, offset = plane(own_seen, face)
         met = incident_face(other, other_seen, normal)

@@ -38,6 +38,7 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     if gap_face > margin:
         return 0
     tolerance = tolerance_of(margin, min(f[2], max(f[0], f[1])))
+    hidden = -np.inf
     side, share, outward, gap_edge, apart, above = -1, 0.0, normal, -np.inf, gap_face, np.inf
     for k in range(3):
         p, q = vertex(seen, k), vertex(seen, (k + 1) % 3)
@@ -50,17 +51,18 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
         if a[ACTIVE_EDGES + k] == 0.0 or -dot(n, normal) < _BACKWARDS:
             continue
         if lift > tolerance and a[ACTIVE_EDGES + (k + 1) % 3] == 0.0 and a[ACTIVE_EDGES + (k + 2) % 3] == 0.0:
-            continue  # the opposite corner touches, at internal edges
+            hidden = max(hidden, gap)  # the opposite corner touches, at internal edges
+            continue
         # All edges have the same normal where a corner touches an end: those with the lowest point are the ones that touch.
         if gap > gap_edge + _ROUNDING * size or (gap > gap_edge - _ROUNDING * size and lift < above):
             side, share, outward, gap_edge, above = k, t, n, gap, lift
-    best = max(gap_face, gap_edge)
+    best = max(gap_face, gap_edge, hidden)
     off = SHARE_OFF * abs(best) + tolerance
     if apart > 0.0 and best < apart - off:  # apart in a direction in which another triangle pushes, or none
         return 0
     if gap_face >= best - off:
         count, depth = lie_on_face(f, triangle, seen, 0, tolerance, margin, frame, manifold)
-        if count > 0 and (side < 0 or abs(depth - best) <= off):
+        if count > 0 and (max(gap_edge, hidden) == -np.inf or abs(depth - best) <= off):
             return count
     if side < 0 or gap_edge < best - off:  # farther than the face, beside which the two touch
         return 0
