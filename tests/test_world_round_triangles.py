@@ -254,3 +254,13 @@ def test_a_cone_that_rests_beside_a_triangle_is_not_pushed_by_its_far_corner():
     pose = np.array([-0.6634, 1.3268, -0.0055, -0.6809, 0.25581, -0.68596, 0.02002])
     pose[3:] /= np.linalg.norm(pose[3:])
     assert count_contacts((TRIANGLE, CONE), triangle(corners, (0.0, 1.0, 0.0)), cone, pose, 0.02, manifold) == 0
+
+
+def test_the_tip_of_a_cone_above_a_triangle_is_found_while_its_base_is_nearer_to_another_one():
+    """A cone that falls flat within a step passed the triangle under its tip."""
+    cone, manifold = np.array([0.03926, 0.0, 0.44613]), np.zeros(64)
+    pose = np.array([0.32159, 0.38864, 0.03341, 0.05164, 0.70994, 0.06718, -0.69914])
+    pose[3:] /= np.linalg.norm(pose[3:])
+    corners = [(0.0, 0.0, 0.0), (30.0, 30.0, 0.0), (0.0, 30.0, 0.0)]
+    assert count_contacts((TRIANGLE, CONE), triangle(corners, (0.0, 0.0, 0.0)), cone, pose, 0.06, manifold) == 2
+    assert manifold[:3] == pytest.approx((0.0, 0.0, 1.0), abs=1e-12)

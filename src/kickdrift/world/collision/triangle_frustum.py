@@ -59,7 +59,8 @@ def triangle_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) ->
     best = max(gap_face, gap_edge, hidden)
     off = SHARE_OFF * abs(best) + tolerance
     if apart > 0.0 and best < apart - off:  # apart in a direction in which another triangle pushes, or none
-        return 0
+        count, depth = lie_on_face(f, triangle, seen, 0, tolerance, margin, frame, manifold)
+        return count if depth > 0.0 else 0  # what is above it may hit it within the step
     if gap_face >= best - off:
         count, depth = lie_on_face(f, triangle, seen, 0, tolerance, margin, frame, manifold)
         if count > 0 and (max(gap_edge, hidden) == -np.inf or abs(depth - best) <= off):
