@@ -16,6 +16,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.body_acceleration import closing_acceleration
+from kickdrift.world.collision.missed_contacts import drop_paths
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
 from kickdrift.world.contacts.struck_bodies import strikes
@@ -28,6 +29,7 @@ from kickdrift.world.direct.energy_guard import NO_MORE, has_more
 from kickdrift.world.direct.island_accelerations import find_accelerations, read_accelerations
 from kickdrift.world.direct.island_solver import solve_at_once
 from kickdrift.world.direct.island_velocities import (
+    fastest,
     kinetic_energy,
     note_velocities,
     restore_impulses,
@@ -36,18 +38,40 @@ from kickdrift.world.direct.island_velocities import (
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import clear_impulses
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
+from kickdrift.world.joints.layout import ANGULAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
-from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, integers
+from kickdrift.world.step.status import DO_IN_PARTS, HALVINGS, MOST_HALVINGS, OK, STATUS
+from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, STEP_STATUS, integers
 
 _ROUNDS = 30
+
+# Turn of a body in a substep, rad, above which a step with a bounce is done in parts.
+_WHIRL = 0.07
 
 
 @compiled
 def bounce_islands(t: float, h: float, world: int) -> None:
     """Resolve the bounces of all impacts in islands within the substep."""
+    status = integers(world, STEP_STATUS)
     for island in range(direct_islands(world)):
         if not _resolve_impacts(world, island, h):
             _leave_impacts(world, island)
+        elif status[0, HALVINGS] < MOST_HALVINGS and _whirls(world, island, h):
+            drop_paths(t, h, world)
+            if status[0, STATUS] == OK:
+                status[0, STATUS] = DO_IN_PARTS
+            return
+
+
+@compiled(cached=False)
+def _whirls(world: int, island: int, h: float) -> bool:
+    """Whether the bodies of an island that has bounced in the step turn too far in a substep to keep their energy."""
+    own, order, bounced = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), False
+    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        row = row_of(world, order[k, 0])
+        hit = integers(world, CONTACT)[row, c.CONTACT_STATE] & c.BOUNCED != 0
+        bounced = bounced or (hit and restitution_of(world, row) > 0.0)
+    return bounced and h * fastest(world, island, MOTION, ANGULAR_PART) > _WHIRL
 
 
 @compiled(cached=False)
