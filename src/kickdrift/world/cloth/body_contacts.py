@@ -11,6 +11,7 @@ from kickdrift.world.cloth.ball_contact import touch_of_ball
 from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, largest_speed, moves_body, note_contact, start_pose
 from kickdrift.world.cloth.face_contacts import find_faces
 from kickdrift.world.cloth.layout import (
+    CARRIES,
     CLOTH_RADIUS,
     DIMENSION,
     FIRST_CONTACT,
@@ -26,6 +27,7 @@ from kickdrift.world.cloth.layout import (
     ROPE,
     TOUCHING_PARTICLE,
 )
+from kickdrift.world.cloth.load_path import find_load_paths
 from kickdrift.world.cloth.pinned_corners import holds_off
 from kickdrift.world.cloth.segment_contacts import find_segments
 from kickdrift.world.collision.bvh import Box
@@ -84,6 +86,7 @@ def find_contacts(world: int, h: float) -> None:
             if meets and not _find_between(world, cloth, shape, h, count):
                 return
         cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
+        find_load_paths(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
         _group(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
 
 
@@ -103,7 +106,8 @@ def _group(world: int, first: int, last: int) -> None:
     while row < last:
         fits = row + WIDTH <= last
         for k in range(row, row + WIDTH if fits else row):
-            fits = fits and contact[k, MOVES_BODY] == 0 and contact[k, OTHER_PARTICLE] == contact[k, TOUCHING_PARTICLE]
+            fits = fits and contact[k, MOVES_BODY] == 0 and contact[k, CARRIES] == 0
+            fits = fits and contact[k, OTHER_PARTICLE] == contact[k, TOUCHING_PARTICLE]
             fits = fits and (k == row or contact[k, TOUCHING_PARTICLE] > contact[k - 1, TOUCHING_PARTICLE])
         contact[row, IN_LANES] = int(fits)
         row += WIDTH if fits else 1

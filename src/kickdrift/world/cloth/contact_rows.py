@@ -31,7 +31,11 @@ from kickdrift.world.cloth.layout import (
     OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
+    PASSED_FRICTION,
+    PRESSED,
+    RUBBED,
     SHARES,
+    SLIP,
     THIRD_PARTICLE,
     TOUCHED_BODY,
     TOUCHED_POINT,
@@ -160,6 +164,9 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     numbers[row, CLOTH_OFFSET] = gap_of(world, row) - gap
     for k in range(4):
         numbers[row, CONTACT_IMPULSE + k] = 0.0
+    for k in range(3):
+        numbers[row, PASSED_FRICTION + k] = 0.0
+    numbers[row, PRESSED] = numbers[row, RUBBED] = numbers[row, SLIP] = 0.0
     return True
 
 

@@ -156,6 +156,10 @@ IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven are of different 
 OTHER_PARTICLE = column(CLOTH_CONTACT)
 THIRD_PARTICLE = column(CLOTH_CONTACT)
 HELD_BY = column(CLOTH_CONTACT, 3)  # the pins of the corners to bodies: see `kickdrift.world.cloth.pinned_corners`
+CARRIED_BY = column(
+    CLOTH_CONTACT, 3
+)  # rows of the contacts that carry the corners: see `kickdrift.world.cloth.load_path`
+CARRIES = column(CLOTH_CONTACT)  # 1 if another contact is carried by it
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
@@ -166,11 +170,16 @@ GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
 TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the body
 SHARES = column(CLOTH_CONTACT_NUMBERS, 3)  # barycentric coordinates of the point that touches
 CONTACT_IMPULSE = column(CLOTH_CONTACT_NUMBERS, 4, "kg m/s")  # in this part: along the normal, and of friction
+PASSED_FRICTION = column(CLOTH_CONTACT_NUMBERS, 3, "kg m/s")  # on the bodies on both sides of the cloth alone
+PRESSED = column(CLOTH_CONTACT_NUMBERS, 1, "kg m/s")  # sum of normal impulses in the parts of the substep before
+SLIP = column(CLOTH_CONTACT_NUMBERS, 1, "m/s")  # of a contact that carries another one, when the part began
+RUBBED = column(CLOTH_CONTACT_NUMBERS, 1, "kg m/s")  # sum of the magnitudes of friction in them
 CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # of curvature at the point, otherwise zero
 CONTACT_AXIS = column(CLOTH_CONTACT_NUMBERS, 3)  # along which a round shape is straight; zero for a ball
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # displacement in the drift besides that of its velocity
+CARRIER = column(PARTICLE_SHIFT)  # while contacts are found: the row of the contact that carries it, plus 1, or 0
 
 # INTERVAL_START
 column(INTERVAL_START, 3, "m")  # positions when the interval began
