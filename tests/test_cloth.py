@@ -394,13 +394,22 @@ def test_what_is_too_stiff_for_the_step_is_softer_and_says_so():
     world = kd.World()
     sheet = world.add_cloth_grid((0.1, 0.1), (21, 21), stretch_stiffness=1e7, name="steel")
     sheet.velocity[:] = 0.1 * np.random.default_rng(0).normal(size=sheet.velocity.shape)
-    recording = world.run(1.0, STEP, save_every=60, progress=False)
+    with pytest.warns(kd.UnsolvedWarning, match=r"Of cloth 'steel'.*stretch_stiffness 665 of 1e\+07 N/m.*more substeps") as said:
+        recording = world.run(1.0, STEP, save_every=60, progress=False)
+    assert len(said) == 1
     assert sheet.stiffness[0] < 1e6
     assert "'steel'" in recording.message
     with world.record() as own:
         world.step(STEP)
     assert "'steel'" in own.report()
     assert np.abs(sheet.velocity).max() < 20.0
+
+
+def test_a_cloth_hardly_softer_than_its_fabric_causes_no_warning():
+    world = kd.World()
+    sheet = world.add_cloth_grid((1.0, 1.0), (21, 21), stretch_stiffness=1e5)
+    world.step(STEP)
+    assert 0.5e5 < sheet.stiffness[0] < 1e5
 
 
 def test_a_cloth_that_is_lost_ends_the_step_and_leaves_the_world_as_it_was():

@@ -25,7 +25,7 @@ from kickdrift.world.cloth.rope import Rope
 from kickdrift.world.cloth.row_ranges import add_range, remove_range, rows_of
 from kickdrift.world.cloth.soft_body import SoftBody
 from kickdrift.world.cloth.splitting import Split, cut_by_plane, put_split
-from kickdrift.world.cloth.substep_choice import WORDS, softness, tune
+from kickdrift.world.cloth.substep_choice import WORDS, is_far_softer, softness, tune
 from kickdrift.world.cloth.tearing import find_tears
 from kickdrift.world.names import Names
 from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PIN, TETRAHEDRON, Tables
@@ -273,6 +273,11 @@ class Cloths:
         """Return notes on cloths that are softer or less damped than their fabric, and what would help."""
         rows = enumerate(zip(self.tables.array(CLOTH)[:, c.DIMENSION], self.tables.array(CLOTH_NUMBERS), strict=True))
         return "".join(softness(self.words(row), int(dimension), numbers) for row, (dimension, numbers) in rows)
+
+    @property
+    def far_softer(self) -> bool:
+        """Whether a cloth is less than half as stiff as its material."""
+        return any(is_far_softer(numbers) for numbers in self.tables.array(CLOTH_NUMBERS))
 
     def _rows_of(self, cloth: Deformable, vertices: ArrayLike) -> Integers:
         """Return the rows of vertices, without repetition; ArgumentError for invalid ones."""

@@ -15,6 +15,7 @@ MOST_PARTS = 64  # of a substep; a cloth that would need more is made softer
 # modes of membrane and bending may coincide, so their squares are added. A margin is left, since stretched cloth is stiffer in
 # shear.
 _STABLE, _DAMPED = 1.6**2, 1.8**2
+_FAR_SOFTER = 0.5  # of the stiffness asked for: below, a warning says so
 _DAMPINGS = ("damping of the membrane", "s"), ("damping of bending", "s")
 _NAMES = {
     c.ROPE: (
@@ -56,6 +57,12 @@ def _granted(wanted: Floats, limit: float) -> Floats:
     given = np.array([first, min(wanted[1], limit - first)])
     granted: Floats = np.divide(given, wanted, where=wanted > 0.0, out=np.ones(2))
     return granted
+
+
+def is_far_softer(numbers: Floats) -> bool:
+    """Whether a stiffness in use is less than half of that of the material."""
+    asked, used = numbers[c.ASKED : c.ASKED + 3], numbers[c.STRETCH : c.STRETCH + 3]
+    return bool(np.any(used < _FAR_SOFTER * asked))
 
 
 def softness(words: str, dimension: int, numbers: Floats) -> str:

@@ -1,12 +1,13 @@
 """Steps of a world: compiling their stages, running the compiled loop, and serving the requests of stages."""
 
 import time
+import warnings
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
-from kickdrift.core.errors import KickdriftError
+from kickdrift.core.errors import KickdriftError, UnsolvedWarning, depth_of_caller
 from kickdrift.core.interruption import next_chunk
 from kickdrift.core.threads import present
 from kickdrift.world import settings
@@ -70,6 +71,7 @@ class DoesSteps:
     _addresses: NDArray[np.intp]
     _composition: tuple[object, ...] | None
     compile_time: float  # s, of all steps so far
+    _softened: bool  # whether a warning of softened cloths was issued
     _counted: tuple[float, int]  # the time from which steps are counted, s, and the number of the next one
 
     def do_steps(self, t0: float, first: int, step: float, count: int) -> int:
@@ -208,6 +210,7 @@ class DoesSteps:
             self._addresses, self._composition = addresses(spelt, self.substeps), composition
         put_numbers(self.tables, self.forces)
         self.cloths.tune(step / self.substeps)
+        self._tell_of_softening()
         self.tables.array(SETTINGS)[0, settings.STEP] = step
         if step != self._program_step:
             self._program = compose(spelt, self._addresses, step, self.substeps)
@@ -218,6 +221,12 @@ class DoesSteps:
         )
         self.tables.altered = False
         return self._program
+
+    def _tell_of_softening(self) -> None:
+        """Warn, once, of cloths that the step allows only to be far softer than their material."""
+        if not self._softened and self.cloths.far_softer:
+            self._softened = True
+            warnings.warn(self.cloths.notes().strip(), UnsolvedWarning, stacklevel=depth_of_caller())
 
     def _breaks(self) -> bool:
         """Remove joints that broke, tear cloths, and return whether there were any."""
