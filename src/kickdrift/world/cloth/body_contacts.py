@@ -11,7 +11,6 @@ from kickdrift.world.cloth.ball_contact import touch_of_ball
 from kickdrift.world.cloth.contact_rows import AT_FIRST, Pose, largest_speed, moves_body, note_contact, start_pose
 from kickdrift.world.cloth.face_contacts import find_faces
 from kickdrift.world.cloth.layout import (
-    CARRIES,
     CLOTH_RADIUS,
     DIMENSION,
     FIRST_CONTACT,
@@ -21,6 +20,7 @@ from kickdrift.world.cloth.layout import (
     LAST_CONTACT,
     LAST_PARTICLE,
     MOVES_BODY,
+    ON_LOAD_PATH,
     OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
@@ -106,7 +106,7 @@ def _group(world: int, first: int, last: int) -> None:
     while row < last:
         fits = row + WIDTH <= last
         for k in range(row, row + WIDTH if fits else row):
-            fits = fits and contact[k, MOVES_BODY] == 0 and contact[k, CARRIES] == 0
+            fits = fits and contact[k, MOVES_BODY] == 0 and contact[k, ON_LOAD_PATH] == 0
             fits = fits and contact[k, OTHER_PARTICLE] == contact[k, TOUCHING_PARTICLE]
             fits = fits and (k == row or contact[k, TOUCHING_PARTICLE] > contact[k - 1, TOUCHING_PARTICLE])
         contact[row, IN_LANES] = int(fits)

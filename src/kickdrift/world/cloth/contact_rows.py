@@ -35,7 +35,7 @@ from kickdrift.world.cloth.layout import (
     PRESSED,
     RUBBED,
     SHARES,
-    SLIP,
+    SLIDES,
     THIRD_PARTICLE,
     TOUCHED_BODY,
     TOUCHED_POINT,
@@ -166,7 +166,7 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
         numbers[row, CONTACT_IMPULSE + k] = 0.0
     for k in range(3):
         numbers[row, PASSED_FRICTION + k] = 0.0
-    numbers[row, PRESSED] = numbers[row, RUBBED] = numbers[row, SLIP] = 0.0
+    numbers[row, PRESSED] = numbers[row, RUBBED] = numbers[row, SLIDES] = 0.0
     return True
 
 

@@ -151,15 +151,17 @@ PIN_POSITION = column(PIN_NUMBERS, 3, "m")  # in the body
 TOUCHING_PARTICLE = column(CLOTH_CONTACT)
 TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1 if the body receives the reaction
-IN_LANES = column(CLOTH_CONTACT)  # 1 if it and the next seven are of different particles each, and move no body
+IN_LANES = column(
+    CLOTH_CONTACT
+)  # 1 if it and the next seven are of different particles each, move no body and carry nothing
 # The other end of a segment that touches, the other corners of a triangle; otherwise the particle itself
 OTHER_PARTICLE = column(CLOTH_CONTACT)
 THIRD_PARTICLE = column(CLOTH_CONTACT)
 HELD_BY = column(CLOTH_CONTACT, 3)  # the pins of the corners to bodies: see `kickdrift.world.cloth.pinned_corners`
-CARRIED_BY = column(
-    CLOTH_CONTACT, 3
-)  # rows of the contacts that carry the corners: see `kickdrift.world.cloth.load_path`
-CARRIES = column(CLOTH_CONTACT)  # 1 if another contact is carried by it
+CARRIED_BY = column(CLOTH_CONTACT, 3)  # rows of the contacts that carry the corners, or NOTHING
+ON_LOAD_PATH = column(
+    CLOTH_CONTACT
+)  # 1 if it carries another contact, or is carried: see `kickdrift.world.cloth.load_path`
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
@@ -171,9 +173,9 @@ TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the 
 SHARES = column(CLOTH_CONTACT_NUMBERS, 3)  # barycentric coordinates of the point that touches
 CONTACT_IMPULSE = column(CLOTH_CONTACT_NUMBERS, 4, "kg m/s")  # in this part: along the normal, and of friction
 PASSED_FRICTION = column(CLOTH_CONTACT_NUMBERS, 3, "kg m/s")  # on the bodies on both sides of the cloth alone
-PRESSED = column(CLOTH_CONTACT_NUMBERS, 1, "kg m/s")  # sum of normal impulses in the parts of the substep before
-SLIP = column(CLOTH_CONTACT_NUMBERS, 1, "m/s")  # of a contact that carries another one, when the part began
+PRESSED = column(CLOTH_CONTACT_NUMBERS, 1, "kg m/s")  # sum of normal impulses in the earlier parts of the substep
 RUBBED = column(CLOTH_CONTACT_NUMBERS, 1, "kg m/s")  # sum of the magnitudes of friction in them
+SLIDES = column(CLOTH_CONTACT_NUMBERS)  # 1.0 if the cloth slid past the surface when the part began
 CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # of curvature at the point, otherwise zero
 CONTACT_AXIS = column(CLOTH_CONTACT_NUMBERS, 3)  # along which a round shape is straight; zero for a ball
 

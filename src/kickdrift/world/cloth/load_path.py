@@ -15,11 +15,11 @@ from kickdrift.world.cloth.contact_rows import gap_of
 from kickdrift.world.cloth.layout import (
     CARRIED_BY,
     CARRIER,
-    CARRIES,
     CLOTH_NORMAL,
     CLOTH_OFFSET,
     CONTACT_IMPULSE,
     MOVES_BODY,
+    ON_LOAD_PATH,
     OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
@@ -31,7 +31,16 @@ from kickdrift.world.cloth.layout import (
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, PARTICLE, PARTICLE_SHIFT, floats, integers
+from kickdrift.world.settings import GRAVITY
+from kickdrift.world.tables import (
+    CLOTH_CONTACT,
+    CLOTH_CONTACT_NUMBERS,
+    PARTICLE,
+    PARTICLE_SHIFT,
+    SETTINGS,
+    floats,
+    integers,
+)
 
 _OPPOSED = -0.8  # cosine between the normals of contacts, below which one carries what the other presses on
 NOTHING = -1  # instead of a row
@@ -44,7 +53,7 @@ def find_load_paths(world: int, first: int, last: int) -> None:
     contact, carrier, pressed = integers(world, CLOTH_CONTACT), floats(world, PARTICLE_SHIFT), False
     for row in range(first, last):
         pressed = pressed or contact[row, MOVES_BODY] != 0
-        contact[row, CARRIES] = 0
+        contact[row, ON_LOAD_PATH] = 0
         for k in range(3):
             contact[row, CARRIED_BY + k] = NOTHING
     if not pressed:
@@ -54,7 +63,7 @@ def find_load_paths(world: int, first: int, last: int) -> None:
         known = int(carrier[i, CARRIER]) - 1
         if contact[row, OTHER_PARTICLE] != i or floats(world, PARTICLE)[i, PARTICLE_INVERSE_MASS] == 0.0:
             continue
-        if known < 0 or contact[row, MOVES_BODY] < contact[known, MOVES_BODY]:
+        if known < 0 or _steadiness(world, row) > _steadiness(world, known):
             carrier[i, CARRIER] = row + 1
     for row in range(first, last):
         for k in range(3):
@@ -66,14 +75,23 @@ def find_load_paths(world: int, first: int, last: int) -> None:
 
 
 @compiled(inline=True)
+def _steadiness(world: int, row: int) -> float:
+    """Return by how much rather than others a contact carries its particle: what does not move, then what is below."""
+    normal, gravity = floats(world, CLOTH_CONTACT_NUMBERS), vector_at(floats(world, SETTINGS), 0, GRAVITY)
+    if integers(world, CLOTH_CONTACT)[row, MOVES_BODY] == 0:
+        return math.inf
+    return -dot(vector_at(normal, row, CLOTH_NORMAL), gravity)
+
+
+@compiled(inline=True)
 def _note_carrier(world: int, row: int, k: int) -> None:
     """Note by what a corner of a contact that presses on it with a body is carried."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     by = int(floats(world, PARTICLE_SHIFT)[contact[row, _CORNERS[k]], CARRIER]) - 1
-    if by < 0 or by == row or contact[row, MOVES_BODY] == 0:
+    if by < 0 or by == row or contact[row, MOVES_BODY] == 0 or numbers[row, SHARES + k] == 0.0:
         return
     if dot(vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, by, CLOTH_NORMAL)) < _OPPOSED:
-        contact[row, CARRIED_BY + k], contact[by, CARRIES] = by, 1
+        contact[row, CARRIED_BY + k], contact[row, ON_LOAD_PATH], contact[by, ON_LOAD_PATH] = by, 1, 1
 
 
 @compiled
@@ -103,16 +121,6 @@ def carrier_of(world: int, row: int, k: int) -> int:
     if by >= 0 and numbers[by, CONTACT_IMPULSE] <= 0.0 and numbers[by, PRESSED] <= 0.0:
         by = NOTHING
     return by
-
-
-@compiled
-def is_on_load_path(world: int, row: int) -> bool:
-    """Whether a contact carries another one, or is carried."""
-    contact = integers(world, CLOTH_CONTACT)
-    on_path: bool = contact[row, CARRIES] != 0
-    for k in range(3):
-        on_path = on_path or contact[row, CARRIED_BY + k] >= 0
-    return on_path
 
 
 @compiled

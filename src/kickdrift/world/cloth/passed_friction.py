@@ -10,22 +10,21 @@ from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
 from kickdrift.world.cloth.body_impulses import push_body
 from kickdrift.world.cloth.layout import (
     CARRIED_BY,
-    CARRIES,
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     MOVES_BODY,
+    ON_LOAD_PATH,
     PASSED_FRICTION,
     PRESSED,
     RUBBED,
     SHARES,
-    SLIP,
+    SLIDES,
     TOUCHED_BODY,
     TOUCHED_POINT,
 )
-from kickdrift.world.cloth.load_path import carrier_of, is_carried
+from kickdrift.world.cloth.load_path import carrier_of
 from kickdrift.world.columns import vector_at
-from kickdrift.world.settings import GRAVITY, STEP, SUBSTEPS
-from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, SETTINGS, floats, integers
+from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, floats, integers
 
 
 @compiled
@@ -36,7 +35,7 @@ def pass_on_friction(world: int, row: int, slip: Vector, response: float, left: 
     """
     numbers = floats(world, CLOTH_CONTACT_NUMBERS)
     own, before = vector_at(numbers, row, CONTACT_IMPULSE + 1), vector_at(numbers, row, PASSED_FRICTION)
-    friction = (0.0, 0.0, 0.0) if slides_below(world, row) else minus(before, times(1.0 / response, slip))
+    friction = (0.0, 0.0, 0.0) if _slides_below(world, row) else minus(before, times(1.0 / response, slip))
     friction = minus(within(plus(own, friction), friction_bound(world, row)), own)
     friction = times(_part_held(world, row, before, friction), friction)
     change = minus(friction, before)
@@ -58,24 +57,18 @@ def friction_bound(world: int, row: int) -> float:
     """
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     bound: float = numbers[row, CONTACT_FRICTION] * numbers[row, CONTACT_IMPULSE]
-    if contact[row, CARRIES] != 0 or is_carried(world, row):
+    if contact[row, ON_LOAD_PATH] != 0:
         bound = max(bound + numbers[row, CONTACT_FRICTION] * numbers[row, PRESSED] - numbers[row, RUBBED], 0.0)
     return bound
 
 
 @compiled
-def note_part(world: int, row: int) -> None:
-    """Add the impulses of the last part to the sums of the substep."""
+def end_part(world: int, row: int) -> None:
+    """Add the impulses of the last part to the sums of the substep, and forget them."""
     numbers = floats(world, CLOTH_CONTACT_NUMBERS)
     friction = plus(vector_at(numbers, row, CONTACT_IMPULSE + 1), vector_at(numbers, row, PASSED_FRICTION))
     numbers[row, PRESSED] += numbers[row, CONTACT_IMPULSE]
     numbers[row, RUBBED] += length(friction)
-
-
-@compiled
-def forget(world: int, row: int) -> None:
-    """Let a part begin without the impulses of the last one."""
-    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
     for k in range(4):
         numbers[row, CONTACT_IMPULSE + k] = 0.0
     for k in range(3):
@@ -89,13 +82,12 @@ def within(v: Vector, most: float) -> Vector:
 
 
 @compiled(inline=True)
-def slides_below(world: int, row: int) -> bool:
-    """Whether the cloth at a contact slides on what carries it, faster than gravity makes it in a substep."""
-    numbers, settings, slides = floats(world, CLOTH_CONTACT_NUMBERS), floats(world, SETTINGS), False
-    slow = settings[0, STEP] / settings[0, SUBSTEPS] * length(vector_at(settings, 0, GRAVITY))
+def _slides_below(world: int, row: int) -> bool:
+    """Whether the cloth at a contact slides on what carries it."""
+    slides = False
     for k in range(3):
         on = integers(world, CLOTH_CONTACT)[row, CARRIED_BY + k]
-        slides = slides or (on >= 0 and numbers[row, SHARES + k] != 0.0 and numbers[on, SLIP] > slow)
+        slides = slides or (on >= 0 and floats(world, CLOTH_CONTACT_NUMBERS)[on, SLIDES] != 0.0)
     return slides
 
 
@@ -105,10 +97,8 @@ def _part_held(world: int, row: int, before: Vector, friction: Vector) -> float:
     numbers, part = floats(world, CLOTH_CONTACT_NUMBERS), 1.0
     for k in range(3):
         on, share = carrier_of(world, row, k), numbers[row, SHARES + k]
-        if share == 0.0:
-            continue
         if on < 0:
-            return 0.0
+            continue
         bound = friction_bound(world, on)
         own, passed = vector_at(numbers, on, CONTACT_IMPULSE + 1), vector_at(numbers, on, PASSED_FRICTION)
         others, more = plus(plus(own, passed), times(share, before)), times(-share, friction)
