@@ -397,6 +397,9 @@ def test_what_is_too_stiff_for_the_step_is_softer_and_says_so():
     with pytest.warns(kd.UnsolvedWarning, match=r"Of cloth 'steel'.*stretch_stiffness 665 of 1e\+07 N/m.*more") as said:
         recording = world.run(1.0, STEP, save_every=60, progress=False)
     assert len(said) == 1
+    world.add_cloth_grid((0.1, 0.1), (21, 21), position=(1, 0, 0), stretch_stiffness=1e7, name="iron")
+    with pytest.warns(kd.UnsolvedWarning, match="Of cloth 'iron'"):
+        world.step(STEP)
     assert sheet.stiffness[0] < 1e6
     assert "'steel'" in recording.message
     with world.record() as own:

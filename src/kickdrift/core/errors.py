@@ -97,7 +97,10 @@ class InterpretedWarning(UserWarning):
 
 
 class UnsolvedWarning(UserWarning):
-    """Results of a world may be unreliable: contacts or impacts were left unsolved or missed, or joints lost energy."""
+    """Results of a world may be unreliable.
+
+    Contacts or impacts were left unsolved or missed, joints lost energy, or a cloth is far softer than its material.
+    """
 
 
 def unknown_name(argument: str, value: object, known: Iterable[str]) -> UnknownNameError:

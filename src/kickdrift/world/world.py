@@ -204,7 +204,7 @@ class World(
         self.tables.resize(KERNEL_ADDRESSES, 1)
         self.broken: list[Joint] = []
         self.recorder: Recorder | None = None
-        self._said, self._softened, self.compile_time = 0, False, 0.0
+        self._said, self._softened, self.compile_time = 0, set(), 0.0
         self._program: Program
         self._program_step, self._breakable, self._threaded = 0.0, False, False
         self._addresses: NDArray[np.intp]

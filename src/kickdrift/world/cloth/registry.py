@@ -274,10 +274,11 @@ class Cloths:
         rows = enumerate(zip(self.tables.array(CLOTH)[:, c.DIMENSION], self.tables.array(CLOTH_NUMBERS), strict=True))
         return "".join(softness(self.words(row), int(dimension), numbers) for row, (dimension, numbers) in rows)
 
-    @property
-    def far_softer(self) -> bool:
-        """Whether a cloth is less than half as stiff as its material."""
-        return any(is_far_softer(numbers) for numbers in self.tables.array(CLOTH_NUMBERS))
+    def far_softer(self) -> dict[str, str]:
+        """Return the notes on cloths that are less than half as stiff as their material, by their words."""
+        kinds, numbers = self.tables.array(CLOTH)[:, c.DIMENSION].tolist(), self.tables.array(CLOTH_NUMBERS)
+        rows = [row for row in range(len(kinds)) if is_far_softer(numbers[row])]
+        return {self.words(row): softness(self.words(row), kinds[row], numbers[row]) for row in rows}
 
     def _rows_of(self, cloth: Deformable, vertices: ArrayLike) -> Integers:
         """Return the rows of vertices, without repetition; ArgumentError for invalid ones."""

@@ -39,15 +39,16 @@ def warn_of_impacts(world: int, body: int, t: float) -> None:
 
 
 @compiled
-def join_touching(world: int) -> None:
+def join_touching(world: int, all_stop: bool) -> None:
     """Make the impacts of a round inelastic, and solve them together with the contacts that have hit before in the substep.
 
-    So it ends as if all were hit at once.
+    So it ends as if all were hit at once. Unless `all_stop`, contacts that have not hit before bounce.
     """
     impact, contact, kicked = floats(world, IMPACT), integers(world, CONTACT), floats(world, KICKED)
     bouncing, count, known = integers(world, BOUNCING), rows(world, IMPACT), 0
     for hit in range(count):
-        impact[hit, BOUNCE] = 0.0
+        if all_stop or constraint(world, int(impact[hit, ROW]))[c.REFERENCE * c.WIDTH] == c.HIT:
+            impact[hit, BOUNCE] = 0.0
     while known < count:
         known = count
         for k in range(rows(world, BOUNCING)):

@@ -10,8 +10,9 @@ hits any more. So momentum passes through a row of touching balls, and symmetry 
 slower than the bounce speed, is stopped in the end, together: a light plate that bounces between a floor and a heavy ball would
 be pressed into the floor otherwise.
 
-Contacts of shapes so fast that they may pass each other within the step are included even with e = 0: one sweep over the
-points of a manifold does not stop them. On these, sweeps act, too, so that a light body between heavy ones passes impulses on.
+Contacts without restitution are included where shapes are so fast that they may pass each other within the step, since one
+sweep over the points of a manifold does not stop them, and in heaps in which others bounce. On these, sweeps act, too, so that
+a light body between heavy ones passes impulses on.
 Bodies at rest are carried meanwhile by what they rest on (`kickdrift.world.contacts.resting_support`).
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
@@ -59,7 +60,7 @@ from kickdrift.world.tables import (
 )
 
 _ROUNDS = 400
-# Of them, in which e counts: a ball between a wall and one of a thousand times its mass is hit a hundred times.
+# After these all that hits is stopped: a ball between a wall and one of a thousand times its mass is hit a hundred times.
 _APART = 300
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
@@ -112,7 +113,7 @@ def bounce(t: float, h: float, world: int) -> None:
             continue
         together = together or n >= _APART
         if together:
-            join_touching(world)
+            join_touching(world, n >= _APART)
         impact = floats(world, IMPACT)
         a, b = bodies_of(world, 0)
         body = b if is_moved(world, b) else a

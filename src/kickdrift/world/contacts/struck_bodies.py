@@ -11,9 +11,15 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
 from kickdrift.world.contacts.impact_motion import constraint, is_moved
 from kickdrift.world.contacts.impact_time import rests
-from kickdrift.world.layout import RADIUS
+from kickdrift.world.disjoint_sets import first_of, unite
+from kickdrift.world.layout import HEAP, HEAP_SIZE, RADIUS
 from kickdrift.world.settings import MARGIN, SUBSTEPS
-from kickdrift.world.tables import CONTACT, MANIFOLD, PLACE, PREDICTED, SETTINGS, floats, integers, rows
+from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, PLACE, PREDICTED, SETTINGS, floats, integers, rows
+
+_BOUNCES, _MOVES = (
+    1,
+    2,
+)  # bits of a heap: one of its contacts has restitution; one may move faster than the bounce speed
 
 
 @compiled
@@ -23,20 +29,39 @@ def mark_struck(world: int, h: float) -> bool:
     for row in range(rows(world, CONTACT)):
         fast = fast or strikes(world, row)
         bouncing = bouncing or _bounces(world, row)
-    bouncing = bouncing and _any_approaches(world, h)
     if not (fast or bouncing):
         return False
     for body in range(rows(world, PREDICTED)):
         predicted[body, STRUCK] = 0.0
     for row in range(rows(world, CONTACT)):
-        if strikes(world, row) or (bouncing and _bounces(world, row)):
+        if strikes(world, row):
             predicted[contact[row, c.BODY_A], STRUCK] = predicted[contact[row, c.BODY_B], STRUCK] = 1.0
-    spreads = bouncing
-    while spreads:
-        spreads = False
-        for row in range(rows(world, CONTACT)):
-            spreads = _spread(world, row) or spreads
-    return True
+    return fast or (bouncing and _mark_heaps(world, h))
+
+
+@compiled
+def _mark_heaps(world: int, h: float) -> bool:
+    """Mark the bodies of heaps in which some contact bounces and some is fast enough to; return whether there are any."""
+    contact, body, predicted, found = integers(world, CONTACT), integers(world, BODY), floats(world, PREDICTED), False
+    for row in range(rows(world, BODY)):
+        body[row, HEAP], body[row, HEAP_SIZE] = row, 0
+    for row in range(rows(world, CONTACT)):
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        if contact[row, c.PLACE_IN_GROUPS] >= 0 and is_moved(world, a) and is_moved(world, b):
+            unite(body, HEAP, a, b)
+    for row in range(rows(world, CONTACT)):
+        if contact[row, c.PLACE_IN_GROUPS] < 0:
+            continue
+        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+        first = first_of(body, HEAP, a if is_moved(world, a) else b)
+        if _bounces(world, row):
+            body[first, HEAP_SIZE] |= _BOUNCES
+        if not rests(world, h, row, constraint(world, row), slowest_bounce(world, h, row)):
+            body[first, HEAP_SIZE] |= _MOVES
+    for row in range(rows(world, BODY)):
+        if body[first_of(body, HEAP, row), HEAP_SIZE] == _BOUNCES | _MOVES:
+            predicted[row, STRUCK], found = 1.0, True
+    return found
 
 
 @compiled(inline=True)
@@ -70,27 +95,3 @@ def _bounces(world: int, row: int) -> bool:
     """Whether a contact has restitution."""
     bounces: bool = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS] >= 0 and restitution_of(world, row) > 0.0
     return bounces
-
-
-@compiled
-def _any_approaches(world: int, h: float) -> bool:
-    """Whether the shapes of any contact approach faster than the bounce speed."""
-    contact = integers(world, CONTACT)
-    for row in range(rows(world, CONTACT)):
-        placed, slowest = contact[row, c.PLACE_IN_GROUPS] >= 0, slowest_bounce(world, h, row)
-        if placed and not rests(world, h, row, constraint(world, row), slowest):
-            return True
-    return False
-
-
-@compiled(inline=True)
-def _spread(world: int, row: int) -> bool:
-    """Mark the second body of a contact if one is marked; return whether that is new."""
-    contact, predicted = integers(world, CONTACT), floats(world, PREDICTED)
-    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    if contact[row, c.PLACE_IN_GROUPS] < 0 or not is_moved(world, a) or not is_moved(world, b):
-        return False
-    if predicted[a, STRUCK] == predicted[b, STRUCK]:
-        return False
-    predicted[a, STRUCK] = predicted[b, STRUCK] = 1.0
-    return True

@@ -106,7 +106,7 @@ def _press(world: int, island: int, h: float) -> None:
         reached = fastest(world, island, MOTION, LINEAR_PART)
         if reached <= most:
             return
-        share = 0.5 * most / reached
+        share = 0.5 * most / reached if reached < math.inf else 0.0
         take_back(world, island)
 
 

@@ -71,7 +71,7 @@ class DoesSteps:
     _addresses: NDArray[np.intp]
     _composition: tuple[object, ...] | None
     compile_time: float  # s, of all steps so far
-    _softened: bool  # whether a warning of softened cloths was issued
+    _softened: set[str]  # cloths that a warning has named
     _counted: tuple[float, int]  # the time from which steps are counted, s, and the number of the next one
 
     def do_steps(self, t0: float, first: int, step: float, count: int) -> int:
@@ -223,10 +223,11 @@ class DoesSteps:
         return self._program
 
     def _tell_of_softening(self) -> None:
-        """Warn, once, of cloths that the step allows only to be far softer than their material."""
-        if not self._softened and self.cloths.far_softer:
-            self._softened = True
-            warnings.warn(self.cloths.notes().strip(), UnsolvedWarning, stacklevel=depth_of_caller())
+        """Warn, once for each, of cloths that the step allows only to be far softer than their material."""
+        for words, note in self.cloths.far_softer().items():
+            if words not in self._softened:
+                self._softened.add(words)
+                warnings.warn(note.strip(), UnsolvedWarning, stacklevel=depth_of_caller())
 
     def _breaks(self) -> bool:
         """Remove joints that broke, tear cloths, and return whether there were any."""
