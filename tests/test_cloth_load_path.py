@@ -25,7 +25,7 @@ def book_on_cloth(mass=1.0, vertices=21, ground="plane", book_first=False):
 
 
 @pytest.mark.parametrize("book_first", [False, True])
-@pytest.mark.parametrize("vertices", [11, 21, 41])
+@pytest.mark.parametrize("vertices", [11, 21])
 @pytest.mark.parametrize(
     ("ground", "mass"),
     [*((ground, mass) for ground in ("plane", "box") for mass in (0.1, 1.0, 10.0)), ("table", 0.1), ("table", 1.0)],
@@ -73,6 +73,12 @@ def test_on_a_cloth_on_a_slope_a_body_slides_from_the_angle_of_friction_on(steep
         world.step(STEP)
     slides = 0.5 * 9.81 * max(np.sin(angle) - 0.6 * np.cos(angle), 0.0) * 0.6**2
     assert -(body.position - 0.0551 * up) @ along == pytest.approx(slides, rel=0.03, abs=5e-4)
+
+
+def test_a_book_on_a_fine_tablecloth_does_not_sink_through_it():
+    world, _, book, _ = book_on_cloth(vertices=41)
+    world.advance(STEP, 120)
+    assert book.position[2] == pytest.approx(0.055, abs=2e-4)
 
 
 @pytest.mark.parametrize("box_first", [False, True])
