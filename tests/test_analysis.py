@@ -358,3 +358,28 @@ def test_noise_has_no_reference():
     bath = kd.Langevin(lambda x: -x, friction=1.0, temperature=0.2)
     with pytest.raises(ArgumentError, match="a stochastic path has none"):
         analysis.observed_order(bath, "baoab", (0, 1), (0.1, 0.05), 1.0, 0.0, compile=False)
+
+
+@pytest.mark.parametrize(
+    ("call", "why"),
+    [
+        (lambda: kd.methods.tao(2, "a"), "binding='a' must be a number"),
+        (lambda: kd.methods.tao(2, None), "binding=None must be a number"),
+        (lambda: kd.analysis.one_step_matrix("leapfrog", "a"), "h_omega='a' must be a number"),
+        (lambda: kd.analysis.one_step_matrix("leapfrog", 0.1, damping=[1]), r"damping=\[1\] must be a number"),
+        (
+            lambda: kd.analysis.observed_order(kd.systems.kepler(), "leapfrog", t_span=(0.0, 1.0), steps=0.1),
+            "steps=0.1 must be a list of at least two steps",
+        ),
+        (
+            lambda: kd.analysis.work_precision(kd.systems.kepler(), (0.0, 1.0), methods=1.0, steps=[0.1]),
+            "methods=1.0 must be a list of at least one method",
+        ),
+        (lambda: kd.analysis.energy_error(1.0), "solution=1.0 is not a solution"),
+        (lambda: kd.analysis.phase_error("run"), "solution='run' is not a solution"),
+        (lambda: kd.analysis.mergers(None), "solution=None is not a solution"),
+    ],
+)
+def test_what_is_no_number_list_or_solution_is_refused_in_a_sentence(call, why):
+    with pytest.raises(kd.KickdriftError, match=why):
+        call()

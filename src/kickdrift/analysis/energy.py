@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
 from kickdrift.analysis.drift import slope, times_of_drift
+from kickdrift.analysis.solutions import checked
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.solution import Solution
 
@@ -37,7 +38,7 @@ def energy_error(solution: Solution) -> Floats:
     >>> kd.analysis.energy_error(sol).shape
     (2001,)
     """
-    return _relative(solution.energy)
+    return _relative(checked(solution).energy)
 
 
 def largest_energy_error(solution: Solution) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.analysis.solutions import checked
 from kickdrift.core.errors import ArgumentError
 from kickdrift.engine.dense import DenseOutput, States
 from kickdrift.engine.solution import Solution
@@ -64,7 +65,7 @@ def mergers(solution: Solution) -> tuple[Merger, ...]:
     >>> one.bodies, one.energy_lost > 0
     (('1', '2'), True)
     """
-    plain = solution.plain
+    plain = checked(solution).plain
     if not plain.about.gm or plain.x.ndim != 3 or len(plain.about.gm) != plain.x.shape[1]:
         raise ArgumentError(
             f"{plain!r} is not a run of bodies that attract each other; only kd.systems.planetary(..., radii=...) has"

@@ -98,6 +98,8 @@ def observed_order(
     >>> round(found.order, 1)
     2.0
     """
+    if not np.iterable(steps):
+        raise ArgumentError(f"steps={steps!r} must be a list of at least two steps.")
     runs = [
         solve(
             problem,

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.analysis.drift import slope, times_of_drift
+from kickdrift.analysis.solutions import checked
 from kickdrift.core.errors import ArgumentError, KickdriftError
 from kickdrift.engine.phase import time_shift
 from kickdrift.engine.solution import Solution
@@ -49,7 +50,7 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
     True
     """
     if reference is None:
-        if "phase error" not in solution.derived:
+        if "phase error" not in checked(solution).derived:
             raise KickdriftError(
                 f"reference=None, but {solution.about.system!r} has no exact solution from this initial state; give a"
                 " run with a finer step, reference=kd.solve(...)."
@@ -57,7 +58,7 @@ def phase_error(solution: Solution, reference: Solution | None = None) -> Floats
         return solution.derived["phase error"]
     if not isinstance(reference, Solution):
         raise ArgumentError(f"reference={reference!r} is not a solution; give one of a finer run, kd.solve(...).")
-    solution, dense = solution.plain, reference.plain.dense
+    solution, dense = checked(solution).plain, reference.plain.dense
     if dense is None or reference.x.shape[1:] != solution.x.shape[1:]:
         raise ArgumentError(
             f"reference={reference!r} has states unlike those of {solution!r}, or no equations, because it was read"

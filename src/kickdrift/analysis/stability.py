@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kickdrift import methods
 from kickdrift.analysis.one_step import take_step
+from kickdrift.core.arguments import number
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.systems.system import System
@@ -53,13 +54,14 @@ def one_step_matrix(method: str | methods.Method, h_omega: float, damping: float
     array([[ 0.75,  0.5 ],
            [-0.5 ,  1.  ]])
     """
+    h_omega, damping = number("h_omega", h_omega), number("damping", damping)
     if not (math.isfinite(h_omega) and h_omega > 0):
         raise ArgumentError(f"h_omega={h_omega!r} must be positive and finite; it is the step times omega.")
     if not (math.isfinite(damping) and damping >= 0):
         raise ArgumentError(f"damping={damping!r} must be finite and at least 0; it is the damping ratio.")
     # Two oscillators with omega = 1 that do not see each other: each start is a column.
     starts = np.array([1.0, 0.0]), np.array([0.0, 1.0])
-    return np.array(take_step(_oscillators(float(damping)), method, float(h_omega), *starts))
+    return np.array(take_step(_oscillators(damping), method, h_omega, *starts))
 
 
 def _oscillators(damping: float) -> System:

@@ -136,7 +136,7 @@ def work_precision(
     >>> [curve.label for curve in table.curves], table.curves[0].evaluations
     (['velocity-verlet', 'kahan-li-8'], array([ 401., 1001.]))
     """
-    if isinstance(methods, str) or not methods:
+    if isinstance(methods, str) or not np.iterable(methods) or not methods:
         raise ArgumentError(f"methods={methods!r} must be a list of at least one method.")
     if not is_whole(rounds, 1):
         raise ArgumentError(f"rounds={rounds!r} must be a whole number of at least 1.")

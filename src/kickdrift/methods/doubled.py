@@ -4,7 +4,7 @@ import math
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
-from kickdrift.core.arguments import is_whole
+from kickdrift.core.arguments import is_whole, number
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.kinds import Kind
 from kickdrift.methods.letter import Letter
@@ -26,6 +26,9 @@ def tao(order: int = 2, binding: float = _BINDING) -> Method:
     - `binding` must be larger than the rates of the motion, and far larger than the rate at which its trajectories diverge:
       with too small a constant the energy drifts away;
     - step^order * binding must be well below 1.
+
+    It is symmetric in the doubled space. A run from the last state, backwards, begins with equal copies, and leads back only
+    to the order of the method.
 
     Parameters
     ----------
@@ -57,6 +60,7 @@ def tao(order: int = 2, binding: float = _BINDING) -> Method:
     """
     if not is_whole(order, 2) or order % 2:
         raise ArgumentError(f"order={order!r} must be a positive even number, since the method is symmetric.")
+    binding = number("binding", binding)
     if not 0 < binding < math.inf:
         raise ArgumentError(f"binding={binding!r} must be positive and finite; {_BINDING} suits rates of about 1.")
     spelled = word((_A, "1/2"), (_B, "1/2"), (_C, 1), (_B, "1/2"), (_A, "1/2"))
