@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, minus, plus, times
 from kickdrift.world.cloth.body_impulses import mutual_response, push_body
-from kickdrift.world.cloth.contact_rows import add_shares, gap_of, shares_of
+from kickdrift.world.cloth.contact_rows import Shares, add_shares, gap_of, shares_of
 from kickdrift.world.cloth.layout import GROUND_VELOCITY, MOVES_BODY, PARTICLE_VELOCITY, TOUCHED_BODY, TOUCHED_POINT
 from kickdrift.world.cloth.pinned_corners import is_held, point_velocity, push_holders, response_with_holders
 from kickdrift.world.columns import vector_at
@@ -44,10 +44,10 @@ def response_of_bodies(world: int, row: int, n: Vector) -> float:
 
 
 @compiled
-def give_impulse(world: int, row: int, impulse: Vector, left: float) -> None:
-    """Apply an impulse to the point of a contact, N s, and its reaction to the body."""
+def give_impulse(world: int, row: int, shares: Shares, impulse: Vector, left: float) -> None:
+    """Apply an impulse to the point of a contact, N s, and its reaction to the body; `shares` are those of `shares_of`."""
     contact = integers(world, CLOTH_CONTACT)
-    corners, share, by, _ = shares_of(world, row)
+    corners, share, by, _ = shares
     add_shares(floats(world, PARTICLE), corners, PARTICLE_VELOCITY, by, impulse)
     if contact[row, MOVES_BODY] != 0:
         arm = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, TOUCHED_POINT)

@@ -86,6 +86,7 @@ from kickdrift.world.tables import (
 
 Pose = tuple[Vector, Quaternion]
 Touch = tuple[Vector, float, Vector]
+Shares = tuple[Corners, Vector, Vector, float]
 
 _LEVEL = 1e-6  # cosine between the normal and the axis of a capsule, below which the point is on its side
 _STEEPEST = 0.1  # sine between the normal and the axis of a round shape, below which the shape counts as flat
@@ -198,7 +199,7 @@ def moves_body(world: int, i: int, body: int) -> bool:
 
 
 @compiled
-def shares_of(world: int, row: int) -> tuple[Corners, Vector, Vector, float]:
+def shares_of(world: int, row: int) -> Shares:
     """Return the particles of a contact, their shares, those over their masses, and the inverse mass of the point."""
     contact, particle = integers(world, CLOTH_CONTACT), floats(world, PARTICLE)
     corners = (contact[row, TOUCHING_PARTICLE], contact[row, OTHER_PARTICLE], contact[row, THIRD_PARTICLE])

@@ -4,7 +4,6 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, length, minus, plus, times
-from kickdrift.world.cloth.body_impulses import push_body
 from kickdrift.world.cloth.contact_lanes import resolve_lanes
 from kickdrift.world.cloth.contact_motion import (
     give_impulse,
@@ -13,7 +12,7 @@ from kickdrift.world.cloth.contact_motion import (
     response_of_bodies,
     slip_velocity,
 )
-from kickdrift.world.cloth.contact_rows import add_shares, gap_of, shares_of
+from kickdrift.world.cloth.contact_rows import gap_of, shares_of
 from kickdrift.world.cloth.layout import (
     CLOTH_NORMAL,
     CLOTH_OFFSET,
@@ -23,17 +22,12 @@ from kickdrift.world.cloth.layout import (
     FIRST_CONTACT,
     IN_LANES,
     LAST_CONTACT,
-    MOVES_BODY,
     ON_LOAD_PATH,
     OTHER_PARTICLE,
-    PARTICLE_VELOCITY,
     SHARED_PARTS,
-    TOUCHED_BODY,
-    TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.cloth.loaded_contacts import begin_loaded, resolve_loaded
-from kickdrift.world.cloth.pinned_corners import push_holders
 from kickdrift.world.cloth.tilt_stiffness import resist_tilting
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
@@ -130,18 +124,12 @@ def _begin(world: int, row: int, most: float, left: float) -> None:
 
     No particle moves by more than `most`, beside a pinned one either. Points that cannot move leave a body as deep as it is.
     """
-    numbers, n = (
-        floats(world, CLOTH_CONTACT_NUMBERS),
-        vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, CLOTH_NORMAL),
-    )
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
+    n = vector_at(numbers, row, CLOTH_NORMAL)
     move_out(world, row, n, most)
     if numbers[row, CONTACT_IMPULSE] != 0.0:
-        give_impulse(
-            world,
-            row,
-            plus(times(numbers[row, CONTACT_IMPULSE], n), vector_at(numbers, row, CONTACT_IMPULSE + 1)),
-            left,
-        )
+        impulse = plus(times(numbers[row, CONTACT_IMPULSE], n), vector_at(numbers, row, CONTACT_IMPULSE + 1))
+        give_impulse(world, row, shares_of(world, row), impulse, left)
 
 
 @compiled
@@ -150,8 +138,8 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     if contact[row, ON_LOAD_PATH] != 0:
         return float(resolve_loaded(world, row, part, left))
-    corners, share, by, inverse_mass = shares_of(world, row)
-    n, arm = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, TOUCHED_POINT)
+    shares, n = shares_of(world, row), vector_at(numbers, row, CLOTH_NORMAL)
+    inverse_mass = shares[3]
     v = slip_velocity(world, row)
     approach, wanted = dot(n, v), -max(gap_of(world, row), 0.0) / part
     before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
@@ -172,10 +160,7 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
     numbers[row, CONTACT_IMPULSE] = now
     for k in range(3):
         numbers[row, CONTACT_IMPULSE + 1 + k] = friction[k]
-    add_shares(floats(world, PARTICLE), corners, PARTICLE_VELOCITY, by, impulse)
-    if contact[row, MOVES_BODY] != 0:
-        push_body(world, contact[row, TOUCHED_BODY], arm, times(-1.0, impulse), left)
-    push_holders(world, row, share, impulse, left)
+    give_impulse(world, row, shares, impulse, left)
     return inverse_mass * length(impulse)
 
 

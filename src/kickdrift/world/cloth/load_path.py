@@ -10,8 +10,8 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, times
-from kickdrift.world.cloth.body_impulses import mutual_response, push_body
-from kickdrift.world.cloth.contact_rows import gap_of
+from kickdrift.world.cloth.contact_motion import give_impulse, response_of_bodies
+from kickdrift.world.cloth.contact_rows import gap_of, shares_of
 from kickdrift.world.cloth.layout import (
     CARRIED_BY,
     CARRIER,
@@ -22,12 +22,9 @@ from kickdrift.world.cloth.layout import (
     ON_LOAD_PATH,
     OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
-    PARTICLE_VELOCITY,
     PRESSED,
     SHARES,
     THIRD_PARTICLE,
-    TOUCHED_BODY,
-    TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
 from kickdrift.world.columns import vector_at
@@ -147,20 +144,14 @@ def room_below(world: int, row: int) -> float:
 @compiled
 def carried_response(world: int, row: int, n: Vector, by: Vector) -> float:
     """Return the inverse mass of a point along n, with what carries it, 1/kg; `by` are shares of its corners over masses."""
-    contact, numbers, response = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS), 0.0
+    numbers, response = floats(world, CLOTH_CONTACT_NUMBERS), 0.0
     for k in range(3):
         share, on = numbers[row, SHARES + k], carrier_of(world, row, k)
         cosine = dot(n, vector_at(numbers, on, CLOTH_NORMAL)) if on >= 0 else 0.0
         response += share * by[k] * (1.0 - cosine * cosine)
-        if on >= 0 and contact[on, MOVES_BODY] != 0:
-            response += abs(share) * _ground_response(world, on, n)
+        if on >= 0:
+            response += abs(share) * response_of_bodies(world, on, n)
     return response
-
-
-@compiled(inline=True)
-def _ground_response(world: int, row: int, n: Vector) -> float:
-    arm = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, TOUCHED_POINT)
-    return float(mutual_response(world, integers(world, CLOTH_CONTACT)[row, TOUCHED_BODY], arm, arm, n))
 
 
 @compiled
@@ -176,16 +167,4 @@ def pass_on_pressure(world: int, row: int, impulse: float, left: float) -> None:
         more = -numbers[row, SHARES + k] * impulse * dot(n, ground)
         more = max(more, -numbers[on, CONTACT_IMPULSE])
         numbers[on, CONTACT_IMPULSE] += more
-        _push(world, on, left, times(more, ground))
-
-
-@compiled(inline=True)
-def _push(world: int, on: int, left: float, impulse: Vector) -> None:
-    """Apply an impulse to the particle of a contact, N s, and its reaction to the body."""
-    contact, particle = integers(world, CLOTH_CONTACT), floats(world, PARTICLE)
-    i, numbers = contact[on, TOUCHING_PARTICLE], floats(world, CLOTH_CONTACT_NUMBERS)
-    for j in range(3):
-        particle[i, PARTICLE_VELOCITY + j] += particle[i, PARTICLE_INVERSE_MASS] * impulse[j]
-    if contact[on, MOVES_BODY] != 0:
-        arm = vector_at(numbers, on, TOUCHED_POINT)
-        push_body(world, contact[on, TOUCHED_BODY], arm, times(-1.0, impulse), left)
+        give_impulse(world, on, shares_of(world, on), times(more, ground), left)

@@ -27,20 +27,19 @@ def begin_loaded(world: int, row: int, most: float, slow: float) -> None:
 @compiled
 def resolve_loaded(world: int, row: int, part: float, left: float) -> float:
     """Do as `_resolve` for a contact on a load path, with what it passes on."""
-    numbers, n = (
-        floats(world, CLOTH_CONTACT_NUMBERS),
-        vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, CLOTH_NORMAL),
-    )
-    _, _, by, inverse_mass = shares_of(world, row)
+    numbers, shares = floats(world, CLOTH_CONTACT_NUMBERS), shares_of(world, row)
+    n, inverse_mass = vector_at(numbers, row, CLOTH_NORMAL), shares[3]
     approach, wanted = dot(n, slip_velocity(world, row)), -max(gap_of(world, row), 0.0) / part
     before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
-    now = before + (wanted - approach) / (carried_response(world, row, n, by) + response_of_bodies(world, row, n))
+    now = before + (wanted - approach) / (
+        carried_response(world, row, n, shares[2]) + response_of_bodies(world, row, n)
+    )
     now = max(now, 0.0)
     if now == 0.0 and before == 0.0:
         return 0.0
     impulse = times(now - before, n)
     numbers[row, CONTACT_IMPULSE] = now
-    give_impulse(world, row, impulse, left)
+    give_impulse(world, row, shares, impulse, left)
     pass_on_pressure(world, row, now - before, left)
     if is_carried(world, row):
         v = slip_velocity(world, row)
@@ -49,7 +48,7 @@ def resolve_loaded(world: int, row: int, part: float, left: float) -> float:
     friction = minus(_friction(world, row, inverse_mass), sliding)
     for k in range(3):
         numbers[row, CONTACT_IMPULSE + 1 + k] += friction[k]
-    give_impulse(world, row, friction, left)
+    give_impulse(world, row, shares, friction, left)
     return inverse_mass * length(plus(impulse, friction))
 
 

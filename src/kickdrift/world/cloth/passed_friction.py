@@ -13,7 +13,6 @@ from kickdrift.world.cloth.layout import (
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     MOVES_BODY,
-    ON_LOAD_PATH,
     PASSED_FRICTION,
     PRESSED,
     RUBBED,
@@ -45,20 +44,19 @@ def pass_on_friction(world: int, row: int, slip: Vector, response: float, left: 
         on = integers(world, CLOTH_CONTACT)[row, CARRIED_BY + k]
         for j in range(3 if on >= 0 else 0):
             numbers[on, PASSED_FRICTION + j] -= numbers[row, SHARES + k] * change[j]
-    push_both(world, row, change, left)
+    _push_both(world, row, change, left)
 
 
 @compiled(inline=True)
 def friction_bound(world: int, row: int) -> float:
-    """Return Coulomb's bound of the friction of a contact in a part, N s.
+    """Return Coulomb's bound of the friction of a contact on a load path in a part, N s.
 
-    Bodies get their weight at the start of the substep, and press most in its first part: on a load path the law holds for the
-    sums over all parts.
+    Bodies get their weight at the start of the substep, and press most in its first part: the law holds for the sums over all
+    parts.
     """
-    contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
-    bound: float = numbers[row, CONTACT_FRICTION] * numbers[row, CONTACT_IMPULSE]
-    if contact[row, ON_LOAD_PATH] != 0:
-        bound = max(bound + numbers[row, CONTACT_FRICTION] * numbers[row, PRESSED] - numbers[row, RUBBED], 0.0)
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
+    pressed = numbers[row, PRESSED] + numbers[row, CONTACT_IMPULSE]
+    bound: float = max(numbers[row, CONTACT_FRICTION] * pressed - numbers[row, RUBBED], 0.0)
     return bound
 
 
@@ -111,7 +109,7 @@ def _part_held(world: int, row: int, before: Vector, friction: Vector) -> float:
 
 
 @compiled
-def push_both(world: int, row: int, impulse: Vector, left: float) -> None:
+def _push_both(world: int, row: int, impulse: Vector, left: float) -> None:
     """Apply an impulse to the bodies on both sides of the cloth, N s: to what carries it, and its opposite to the other one."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     if dot(impulse, impulse) == 0.0:

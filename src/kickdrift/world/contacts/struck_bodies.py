@@ -16,10 +16,8 @@ from kickdrift.world.layout import HEAP, HEAP_SIZE, RADIUS
 from kickdrift.world.settings import MARGIN, SUBSTEPS
 from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, PLACE, PREDICTED, SETTINGS, floats, integers, rows
 
-_BOUNCES, _MOVES = (
-    1,
-    2,
-)  # bits of a heap: one of its contacts has restitution; one may move faster than the bounce speed
+# Bits of a heap: one of its contacts has restitution; one may move faster than the bounce speed.
+_BOUNCES, _MOVES = 1, 2
 
 
 @compiled
