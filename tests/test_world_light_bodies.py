@@ -1,5 +1,7 @@
 """Light bodies under heavy ones, with and without restitution: they are not pressed into what carries them."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -79,3 +81,19 @@ def test_a_light_ball_wedged_into_heavy_boxes_is_freed_and_presses_none_down(ove
         lowest = min(lowest, base.position[2])
     assert lowest > 0.178
     assert deepest_overlap(world.tables) < 1e-3
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.6])
+def test_a_crowd_of_balls_that_fall_on_each_other_leaves_no_impact_unresolved(e):
+    """Balls that pass each other approach along the normal of before, and not along that at which they have stopped."""
+    rng, world = np.random.default_rng(5), kd.World()
+    world.add_plane(friction=0.3, restitution=e)
+    for side in (-1, 1):
+        world.add_box((0.1, 2, 4), position=(0.3 * side, 0, 2), static=True)
+        world.add_box((2, 0.1, 4), position=(0, 0.3 * side, 2), static=True)
+    for place in np.ndindex(5, 5, 8):
+        at = 0.09 * (np.array(place) - (2, 2, -1)) + rng.uniform(-0.01, 0.01, 3)
+        world.add_sphere(0.03, position=at, density=2500.0, friction=0.3, restitution=e)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", kd.UnsolvedWarning)
+        world.advance(STEP, 60)

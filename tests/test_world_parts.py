@@ -64,6 +64,21 @@ def squeezed(seed):
     return world
 
 
+def crushed(seed):
+    """Eight light boxes between two heavy ones that close in on them: some impacts have no end."""
+    rng, world = np.random.default_rng(seed), kd.World(gravity=(0, 0, 0))
+    for x in (-1, 3):
+        world.add_box((0.1, 6, 6), position=(x, 0, 0), static=True, restitution=0.6)
+    for x, speed in ((0.0, 60.0), (2.2, -60.0)):
+        kind = {"orientation": rng.normal(size=4), "velocity": (speed, 0, 0), "restitution": 0.6}
+        world.add_box((0.6, 0.6, 0.6), mass=1e6, position=(x, 0, 0), **kind)
+    for k in range(8):
+        at, velocity = (0.6 + k / 8, *rng.uniform(-0.05, 0.05, 2)), (rng.uniform(-60, 60), 0, 0)
+        kind = {"orientation": rng.normal(size=4), "velocity": velocity, "restitution": 0.6}
+        world.add_box((0.1, 0.1, 0.1), mass=1.0, position=at, **kind)
+    return world
+
+
 def state(world):
     return [world.tables.array(table).tobytes() for table in (POSE, MOTION, LOAD)]
 
@@ -129,19 +144,19 @@ def test_a_plate_that_presses_many_light_balls_to_a_wall_stops():
 
 
 def test_impacts_that_have_no_end_are_said_once():
-    world = squeezed(45)
+    world = crushed(68)
     with pytest.warns(
-        kd.UnsolvedWarning, match=r"body \d and what it touches .*not all of these impacts were resolved"
+        kd.UnsolvedWarning, match=r"body \d+ and what it touches .*not all of these impacts were resolved"
     ) as said:
         world.advance(STEP, 2)
     assert len(said) == 1
 
 
-@pytest.mark.parametrize(("seed", "left"), [(150, 0), (45, 1)])
-def test_impacts_left_in_an_attempt_that_is_done_again_are_not_said(seed, left, counts):
+@pytest.mark.parametrize(("world", "left"), [(crushed(13), 0), (crushed(68), 1)])
+def test_impacts_left_in_an_attempt_that_is_done_again_are_not_said(world, left, counts):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        squeezed(seed).step(STEP)
+        world.step(STEP)
     assert counts["parts"]
     assert len(said) == left
 

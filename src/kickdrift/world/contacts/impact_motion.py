@@ -4,6 +4,7 @@ They fly there as by the stages `kick` and `drift`: by the midpoint rule, and ro
 impact they are moved back to the pose from which their new velocities lead through it, for the drift that follows.
 """
 
+import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -247,13 +248,28 @@ def _turn_to(world: int, body: int, turn: Quaternion) -> None:
 
 @compiled
 def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
-    """Return the normal of a contact at its impact: for two balls or capsules the direction between their cores."""
-    normal, radii, axes = vector_of(own, c.N), c.ANCHORS + c.RADII, c.AXES
+    """Return the normal of a contact whose bodies are moved to their impact, see `normal_between`."""
+    contact = integers(world, CONTACT)
+    a, b = _place_now(world, contact[row, c.BODY_A], when), _place_now(world, contact[row, c.BODY_B], when)
+    normal, _ = normal_between(own, vector_of(own, c.N), a, b)
+    return normal
+
+
+@compiled
+def normal_between(own: Any, normal: Vector, a: Place, b: Place) -> tuple[Vector, float]:
+    """Return the normal of a contact at these places, and how far its centre of curvature is.
+
+    For two balls that is the direction from one centre to the other, and their distance; for other shapes, whose normals do
+    not turn, the one given, and infinity.
+    """
+    radii, axes = c.ANCHORS + c.RADII, c.AXES
     radius_a, radius_b = own[radii * c.WIDTH], own[(radii + 1) * c.WIDTH]
     about_axes = length(vector_of(own, axes)) + length(vector_of(own, axes + 3)) > 0.0
     if radius_a == 0.0 or radius_b == 0.0 or about_axes or own[c.COUNT * c.WIDTH] > 1.0:
-        return normal
-    _, _, between = arms_now(world, row, own, 0, when, normal)
+        return normal, math.inf
+    _, _, between = arms_between(own, 0, normal, a, b)
     line = plus(between, times(radius_a + radius_b, normal))
     far = length(line)
-    return times(1.0 / far, line) if far > 1e-9 * (radius_a + radius_b) else normal
+    if far <= 1e-9 * (radius_a + radius_b):
+        return normal, math.inf
+    return times(1.0 / far, line), far

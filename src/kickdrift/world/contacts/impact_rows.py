@@ -28,6 +28,7 @@ POINT_SIZE = _POINT.close()
 
 # Columns of IMPACT
 ROW = column(IMPACT)  # of the contact
+LISTED = column(IMPACT)  # row of the contact in `BOUNCING`
 TIME = column(IMPACT, 1, "s")  # when the first of its points hits
 SPEED = column(IMPACT, 1, "m/s")  # of that point
 BOUNCE = column(IMPACT)  # coefficient of restitution e

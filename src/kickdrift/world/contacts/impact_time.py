@@ -2,17 +2,26 @@
 
 With normal n and arms r, the gap has the derivatives n . (v + w x r) and n . (w x (w x r) + w' x r). Newton's method of second
 order, with parabolas, marches along it by at most a fraction of a turn at a time, so that a corner that comes down and goes up
-again within a substep is not missed.
+again within a substep is not missed. The normal of two balls is the direction between them, which turns as they pass each
+other, so that balls that have stopped along it do not seem to approach along that of before.
 """
 
 import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, turned
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impact_motion import Flight, Place, arms_between, flown, place_of, vector_of
+from kickdrift.world.contacts.impact_motion import (
+    Flight,
+    Place,
+    arms_between,
+    flown,
+    normal_between,
+    place_of,
+    vector_of,
+)
 from kickdrift.world.layout import ADDED, ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import CONTACT, KICKED, MOTION, SETTINGS, floats, integers
@@ -122,16 +131,31 @@ def _gap(
     contact = integers(world, CONTACT)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     place_a, place_b = place_of(world, a, flight_a[0], flight_a[1]), place_of(world, b, flight_b[0], flight_b[1])
+    normal, far = normal_between(own, normal, place_a, place_b)
     arm_a, arm_b, between = arms_between(own, point, normal, place_a, place_b)
     speed = dot(
         normal, minus(plus(flight_b[2], cross(flight_b[3], arm_b)), plus(flight_a[2], cross(flight_a[3], arm_a)))
     )
     anchor = c.ANCHORS + c.ANCHOR_SIZE * point
     bend = _added(world, a, b, normal) / h
+    if far < math.inf:
+        bend += _passing(own, anchor, normal, flight_a, flight_b, arm_a, arm_b) / far
     bend -= _normal_acceleration(own, anchor, anchor + c.RADII, c.AXES, normal, place_a, flight_a, -1.0)
     anchor_b, radius_b = anchor + c.ANCHOR_B, anchor + c.RADII + 1
     bend += _normal_acceleration(own, anchor_b, radius_b, c.AXES + 3, normal, place_b, flight_b, 1.0)
     return dot(normal, between), speed, bend
+
+
+@compiled(inline=True)
+def _passing(
+    own: Any, anchor: int, normal: Vector, flight_a: Flight, flight_b: Flight, arm_a: Vector, arm_b: Vector
+) -> float:
+    """Return the square of the speed at which the centres of two balls pass each other, across their normal, m^2/s^2."""
+    radius_a, radius_b = own[(anchor + c.RADII) * c.WIDTH], own[(anchor + c.RADII + 1) * c.WIDTH]
+    turn_a = cross(flight_a[3], minus(arm_a, times(radius_a, normal)))
+    turn_b = cross(flight_b[3], plus(arm_b, times(radius_b, normal)))
+    across = cross(normal, minus(plus(flight_b[2], turn_b), plus(flight_a[2], turn_a)))
+    return dot(across, across)
 
 
 @compiled(inline=True)

@@ -14,6 +14,7 @@ from kickdrift.world.tables import BOUNCING, CONTACT, KICKED, floats, integers, 
 # Columns of BOUNCING
 BOUNCING_CONTACT = column(BOUNCING)
 HITS_NOT = column(BOUNCING)  # 1 if it did not hit when it was examined last in the substep
+IN_ROUND = column(BOUNCING)  # 1 for a contact of the present round, while others join it
 
 
 @compiled

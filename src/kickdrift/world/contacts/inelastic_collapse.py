@@ -1,11 +1,13 @@
 """Inelastic collapse: a light body between heavy ones is hit infinitely often in a finite time, where e is small."""
 
+import math
+
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import constraint, is_moved
-from kickdrift.world.contacts.impact_rows import BOUNCE, ROW, SPEED, TIME, TIMES
-from kickdrift.world.contacts.impact_worklist import BOUNCING_CONTACT
-from kickdrift.world.layout import NEXT_IMPACT
+from kickdrift.world.contacts.impact_rows import BOUNCE, LISTED, ROW, SPEED, TIME, TIMES
+from kickdrift.world.contacts.impact_worklist import BOUNCING_CONTACT, IN_ROUND
+from kickdrift.world.layout import GROUP, NEXT_IMPACT
 from kickdrift.world.settings import BOUNCING_TIME
 from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING
 from kickdrift.world.tables import (
@@ -46,29 +48,40 @@ def join_touching(world: int, all_stop: bool) -> None:
     """
     impact, contact, kicked = floats(world, IMPACT), integers(world, CONTACT), floats(world, KICKED)
     bouncing, count, known = integers(world, BOUNCING), rows(world, IMPACT), 0
+    for k in range(rows(world, BOUNCING)):
+        row = bouncing[k, BOUNCING_CONTACT]
+        bouncing[k, IN_ROUND] = 0
+        kicked[contact[row, c.BODY_A], GROUP] = kicked[contact[row, c.BODY_B], GROUP] = math.inf
     for hit in range(count):
         if all_stop or constraint(world, int(impact[hit, ROW]))[c.REFERENCE * c.WIDTH] == c.HIT:
             impact[hit, BOUNCE] = 0.0
+        bouncing[int(impact[hit, LISTED]), IN_ROUND] = 1
+        _note_first(world, hit)
     while known < count:
         known = count
         for k in range(rows(world, BOUNCING)):
             row = bouncing[k, BOUNCING_CONTACT]
-            if constraint(world, row)[c.REFERENCE * c.WIDTH] != c.HIT:
+            if bouncing[k, IN_ROUND] or constraint(world, row)[c.REFERENCE * c.WIDTH] != c.HIT:
                 continue
-            own_a, own_b, joins, when = contact[row, c.BODY_A], contact[row, c.BODY_B], False, 0.0
-            for hit in range(count):
-                a, b = bodies_of(world, hit)
-                shared = (is_moved(world, own_a) and own_a in (a, b)) or (is_moved(world, own_b) and own_b in (a, b))
-                if shared and not joins:
-                    joins, when = True, impact[hit, TIME]
-                if int(impact[hit, ROW]) == row:
-                    joins = False
-                    break
-            if joins:
-                impact[count, ROW], impact[count, TIME] = row, when
-                impact[count, BOUNCE], impact[count, SPEED] = 0.0, 0.0
-                for j in range(4):
-                    impact[count, TIMES + j] = when
-                kicked[own_a, NEXT_IMPACT] = kicked[own_b, NEXT_IMPACT] = when
-                count += 1
+            a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+            first = min(kicked[a, GROUP], kicked[b, GROUP])
+            if first == math.inf:
+                continue
+            when, bouncing[k, IN_ROUND] = impact[int(first), TIME], 1
+            impact[count, ROW], impact[count, LISTED], impact[count, TIME] = row, k, when
+            impact[count, BOUNCE], impact[count, SPEED] = 0.0, 0.0
+            for j in range(4):
+                impact[count, TIMES + j] = when
+            kicked[a, NEXT_IMPACT] = kicked[b, NEXT_IMPACT] = when
+            _note_first(world, count)
+            count += 1
     set_rows(world, IMPACT, count)
+
+
+@compiled(inline=True)
+def _note_first(world: int, hit: int) -> None:
+    """Note a hit of the round with its movable bodies, unless they have an earlier one."""
+    kicked = floats(world, KICKED)
+    for body in bodies_of(world, hit):
+        if is_moved(world, body):
+            kicked[body, GROUP] = min(kicked[body, GROUP], float(hit))

@@ -13,6 +13,7 @@ be pressed into the floor otherwise.
 Contacts without restitution are included where shapes are so fast that they may pass each other within the step, since one
 sweep over the points of a manifold does not stop them, and in heaps in which others bounce. On these, sweeps act, too, so that
 a light body between heavy ones passes impulses on.
+Contacts of e = 0 that approach slowly again are left to the sweeps.
 Bodies at rest are carried meanwhile by what they rest on (`kickdrift.world.contacts.resting_support`).
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
@@ -28,7 +29,7 @@ from kickdrift.world.contacts.arm_refresh import hide_from_sweeps
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_approach, slowest_bounce
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
-from kickdrift.world.contacts.impact_rows import BOUNCE, ROW, SPEED, TIME, TIMES, meet, normal_impulse
+from kickdrift.world.contacts.impact_rows import BOUNCE, LISTED, ROW, SPEED, TIME, TIMES, meet, normal_impulse
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.impact_worklist import (
     BOUNCING_CONTACT,
@@ -65,6 +66,8 @@ _APART = 300
 _SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FASTER = 2.0  # times the speed at which a contact seemed to hit and did not: then it may hit after all
+# Tolerances of the impulses of a round, of the largest: those that stop what still approaches need no more than `_SLOW`.
+_EXACTLY, _ROUGHLY = 1e-15, 1e-7
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
 
@@ -123,7 +126,7 @@ def bounce(t: float, h: float, world: int) -> None:
             move_to_impact(world, h, b)
         for hit in range(rows(world, IMPACT)):
             meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
-        find_impulses(world)
+        find_impulses(world, _ROUGHLY if together and n < _APART else _EXACTLY)
         for hit in range(rows(world, IMPACT)):
             a, b = bodies_of(world, hit)
             leave_impact(world, h, a)
@@ -175,7 +178,7 @@ def _find_round(world: int, n: int, h: float, together: bool) -> float:
         elif hits:
             bouncing[k, HITS_NOT] = 0
             fastest = max(fastest, impact[found, SPEED])
-            impact[found, ROW] = row
+            impact[found, ROW], impact[found, LISTED] = row, k
             impact[found, BOUNCE] = restitution_of(world, row)
             kicked[a, NEXT_IMPACT] = kicked[b, NEXT_IMPACT] = math.inf
             found += 1
@@ -208,7 +211,7 @@ def _find_times(world: int, h: float, row: int, together: bool, hit: Any) -> boo
     """Write times and speed of impact of the points of a contact into `hit`; return whether any hits within the substep."""
     contact, kicked = integers(world, CONTACT), floats(world, KICKED)
     own = constraint(world, row)
-    again = together and own[c.REFERENCE * c.WIDTH] == c.HIT
+    again = together and own[c.REFERENCE * c.WIDTH] == c.HIT and restitution_of(world, row) > 0.0
     slowest = slowest_approach(world, h) if again else slowest_bounce(world, h, row)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     since = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])

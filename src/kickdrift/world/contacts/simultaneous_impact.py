@@ -44,7 +44,6 @@ from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, I
 from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, MOTION, floats, integers, rows
 
 _BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
-_TOLERANCE = 1e-15  # of the largest impulse
 _SWEEPS, _FEW = 400, 50  # at most, and those after which the points that press are solved by elimination
 _PLASTIC, _FRICTION, _THROWN = 0, 1, 2  # parts of a round: impulses that stop, friction, impulses after restitution
 
@@ -103,10 +102,13 @@ def _sweep_friction(world: int, hit: Any) -> float:
 
 
 @compiled
-def find_impulses(world: int) -> None:
-    """Find and apply the impulses of a round, in a limited number of sweeps; the next round resolves the rest."""
+def find_impulses(world: int, tolerance: float) -> None:
+    """Find and apply the impulses of a round, in a limited number of sweeps; the next round resolves the rest.
+
+    Sweeps end where no impulse changes by more than `tolerance` times the largest one.
+    """
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
-    scale, rough = _sweep(world, _PLASTIC, 0.0), False
+    scale, rough = _sweep(world, _PLASTIC, 0.0, tolerance), False
     for hit in range(count):
         for k in range(4):
             p = IMPACT_POINTS + POINT_SIZE * k
@@ -114,14 +116,14 @@ def find_impulses(world: int) -> None:
         rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
     if rough:
         for _ in range(_BOUNDS):
-            _find_friction(world, scale)
+            _find_friction(world, scale, tolerance)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
-    _sweep(world, _THROWN, scale)
+    _sweep(world, _THROWN, scale, tolerance)
 
 
 @compiled
-def _sweep(world: int, part: int, scale: float) -> float:
+def _sweep(world: int, part: int, scale: float, tolerance: float) -> float:
     """Sweep over a part of the impulses of a round until none changes; return the largest known, or plastic, impulse, N s."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
@@ -135,7 +137,7 @@ def _sweep(world: int, part: int, scale: float) -> float:
             least = impact[hit, BOUNCE] if part == _FRICTION else 0.0
             change = max(change, _sweep_points(world, impact[hit], part == _PLASTIC, least, part == _THROWN))
             scale = max(scale, normal_impulse(impact[hit])) if part == _PLASTIC else scale
-            if change > _TOLERANCE * scale:
+            if change > tolerance * scale:
                 note_change(world, int(impact[hit, ROW]), sweep)
                 settled = False
         if settled:
@@ -146,7 +148,7 @@ def _sweep(world: int, part: int, scale: float) -> float:
 
 
 @compiled
-def _find_friction(world: int, scale: float) -> None:
+def _find_friction(world: int, scale: float, tolerance: float) -> None:
     """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
     for hit in range(count):
@@ -154,7 +156,7 @@ def _find_friction(world: int, scale: float) -> None:
         for k in range(4):
             total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
-    _sweep(world, _FRICTION, scale)
+    _sweep(world, _FRICTION, scale, tolerance)
 
 
 @compiled
