@@ -92,7 +92,8 @@ def solve(
         Times to keep, any in `t_span`, in any order; with `save_to` in the order of the run. States between two steps are
         computed as by ``solution(t)``.
     save_every : int, optional
-        Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given.
+        Keep every n-th step, for n = `save_every`, and the last; every step if neither this nor `t_eval` is given. Of variable
+        steps the last whole one is kept, too, from which a partial step leads to the end.
     events : callable or list of callable, optional
         Functions of the state, with arguments named as those of forces. Their zeros are located to the accuracy of the
         method: ``solution.t_events``, and the states there. A function may have attributes. With a positive ``direction``
