@@ -31,6 +31,9 @@ ROW = column(IMPACT)  # of the contact
 LISTED = column(IMPACT)  # row of the contact in `BOUNCING`
 TIME = column(IMPACT, 1, "s")  # when the first of its points hits
 SPEED = column(IMPACT, 1, "m/s")  # of that point
+APPROACH = column(
+    IMPACT, 1, "m/s"
+)  # speed at which it approaches where its impulse acts: half way between its two points
 BOUNCE = column(IMPACT)  # coefficient of restitution e
 ARM_A = column(IMPACT, 3, "m")  # from the centres of both bodies to the centre of the contact
 ARM_B = column(IMPACT, 3, "m")
@@ -55,7 +58,7 @@ def meet(world: int, hit: Any, least: float) -> None:
     put_vector(hit, NORMAL, normal)
     put_vector(hit, TANGENT, first)
     near, share = 0.1 * floats(world, SETTINGS)[0, SLOP], own[c.SHARE * c.WIDTH]
-    centre_a, centre_b, found = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    centre_a, centre_b, found, hit[APPROACH] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
     for k in range(4):
         hit[IMPACT_POINTS + POINT_SIZE * k + PLASTIC] = -1.0
         if not (hit[TIMES + k] - when) * hit[SPEED] <= near:
@@ -68,6 +71,7 @@ def meet(world: int, hit: Any, least: float) -> None:
         put_vector(point, TURN_A, cross(arm_a, normal))
         put_vector(point, TURN_B, cross(arm_b, normal))
         speed = separating_speed(world, a, b, normal, point)
+        hit[APPROACH] = max(hit[APPROACH], -speed)
         if speed < -least:
             point[WANTED], point[IMPULSE], point[PLASTIC] = -hit[BOUNCE] * speed, 0.0, 0.0
             centre_a, centre_b, found = plus(centre_a, arm_a), plus(centre_b, arm_b), found + 1.0

@@ -29,7 +29,7 @@ from kickdrift.world.contacts.arm_refresh import hide_from_sweeps
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_approach, slowest_bounce
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
-from kickdrift.world.contacts.impact_rows import BOUNCE, LISTED, ROW, SPEED, TIME, TIMES, meet, normal_impulse
+from kickdrift.world.contacts.impact_rows import APPROACH, BOUNCE, LISTED, ROW, SPEED, TIME, TIMES, meet, normal_impulse
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.impact_worklist import (
     BOUNCING_CONTACT,
@@ -68,6 +68,9 @@ _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come t
 _FASTER = 2.0  # times the speed at which a contact seemed to hit and did not: then it may hit after all
 # Tolerances of the impulses of a round, of the largest: those that stop what still approaches need no more than `_SLOW`.
 _EXACTLY, _ROUGHLY = 1e-15, 1e-7
+# Of the speed at which its points approach each other: a contact slower than that where its impulse acts has stopped. Bodies
+# that have slid apart since the step began, and turn, approach at one and not at the other.
+_STOPPED = 1e-3
 _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until they are the fastest
 
 
@@ -134,7 +137,8 @@ def bounce(t: float, h: float, world: int) -> None:
             note_hit(world, a, n)
             note_hit(world, b, n)
             own, was_hit = constraint(world, int(impact[hit, ROW])), normal_impulse(impact[hit]) > 0.0
-            own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit else c.MISSED
+            stopped = 0.0 < impact[hit, SPEED] and impact[hit, APPROACH] <= _STOPPED * impact[hit, SPEED]
+            own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit and not stopped else c.MISSED
             own[(c.REFERENCE + 1) * c.WIDTH] = impact[hit, SPEED]
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
                 hide_from_sweeps(own, k)
