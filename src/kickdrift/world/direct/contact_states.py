@@ -253,8 +253,11 @@ def update_contact_states(world: int, island: int, task: int, first: bool, whole
 
 
 @compiled(cached=False, fast=True)
-def bounds_hold(world: int, island: int, task: int) -> bool:
-    """Bound friction by the normal impulses of the solution; return whether it was found with these bounds."""
+def bounds_hold(world: int, island: int, task: int, unnoticed: float) -> bool:
+    """Bound friction by the normal impulses of the solution; return whether it was found with these bounds.
+
+    Or with others that change no velocity by more than `unnoticed`, m/s.
+    """
     own, order, hold = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     if task not in (REST, BOUNCE_FRICTION):
         return True
@@ -262,8 +265,8 @@ def bounds_hold(world: int, island: int, task: int) -> bool:
         numbers = contact_row(world, order[k, 0])
         before = numbers[BOUND]
         find_bounds(constraint(world, order[k, 0]), numbers)
-        unnoticed = max(_NEAR * before, SLIPPED * numbers[ROW_MASS + TANGENT])
-        hold = hold and abs(numbers[BOUND] - before) <= unnoticed
+        near = max(_NEAR * before, max(SLIPPED, unnoticed) * numbers[ROW_MASS + TANGENT])
+        hold = hold and abs(numbers[BOUND] - before) <= near
     return hold
 
 
