@@ -137,7 +137,7 @@ def bounce(t: float, h: float, world: int) -> None:
             note_hit(world, a, n)
             note_hit(world, b, n)
             own, was_hit = constraint(world, int(impact[hit, ROW])), normal_impulse(impact[hit]) > 0.0
-            stopped = 0.0 < impact[hit, SPEED] and impact[hit, APPROACH] <= _STOPPED * impact[hit, SPEED]
+            stopped = impact[hit, SPEED] > 0.0 and impact[hit, APPROACH] <= _STOPPED * impact[hit, SPEED]
             own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit and not stopped else c.MISSED
             own[(c.REFERENCE + 1) * c.WIDTH] = impact[hit, SPEED]
             for k in range(4 if impact[hit, BOUNCE] > 0.0 else 0):
