@@ -37,7 +37,7 @@ from kickdrift.world.direct.island_velocities import (
 )
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import clear_impulses
-from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HITS, TANGENT
+from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HAS_JOINTS, HITS, TANGENT
 from kickdrift.world.joints.layout import ANGULAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.step.status import DO_IN_PARTS, HALVINGS, MOST_HALVINGS, OK, STATUS
@@ -45,7 +45,7 @@ from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, 
 
 _ROUNDS = 30
 
-# Turn of a body in a substep, rad, above which a step with a bounce is done in parts. Halved four times at most, one of six
+# Turn of a body of a linkage in a substep, rad, above which a step with a bounce is done in parts. Halved four times at most, one of six
 # planar linkages that strike a wall gains 2 % of its energy.
 _WHIRL = 0.07
 
@@ -66,8 +66,10 @@ def bounce_islands(t: float, h: float, world: int) -> None:
 
 @compiled(cached=False)
 def _whirls(world: int, island: int, h: float) -> bool:
-    """Whether the bodies of an island that has bounced in the step turn too far in a substep to keep their energy."""
+    """Whether the bodies of a linkage that has bounced in the step turn too far in a substep to keep its energy."""
     own, order, bounced = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), False
+    if own[HAS_JOINTS] == 0:  # free bodies rotate exactly
+        return False
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         row = row_of(world, order[k, 0])
         hit = integers(world, CONTACT)[row, c.CONTACT_STATE] & c.BOUNCED != 0
