@@ -45,8 +45,8 @@ from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, 
 
 _ROUNDS = 30
 
-# Turn of a body of a linkage in a substep, rad, above which a step with a bounce is done in parts. Halved four times at most, one of six
-# planar linkages that strike a wall gains 2 % of its energy.
+# Turn of a body of a linkage in a substep, rad, above which a step with a bounce is done in parts. Halved four times at most,
+# one of six planar linkages that strike a wall gains 2 % of its energy.
 _WHIRL = 0.07
 
 
