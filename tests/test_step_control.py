@@ -545,3 +545,19 @@ def test_a_force_that_fails_at_once_ends_the_run_at_its_start(method):
     sol = kd.solve(fails, (0.0, 1.0), [1.0], [-1.0], rtol=1e-6, method=method)
     assert sol.status is Outcome.NO_STEP
     assert sol.t[-1] < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("method", "tolerance"), [("stormer-verlet", 1e-5), ("kahan-li-8", 1e-9), ("tao-2", 1e-5), ("tao-4", 1e-7)]
+)
+def test_errors_are_those_wanted_where_the_rate_of_x_depends_on_time(method, tolerance):
+    """The halves of a step begin with both clocks at its start."""
+    problem = kd.Separable(
+        kinetic_gradient=lambda t, p: p / np.sqrt(1 + p * p) * (1 + 0.5 * np.cos(3 * t)),
+        potential_gradient=lambda t, q: (q + q**3) * (1 + 0.3 * np.sin(2 * t)),
+    )
+    exact = kd.solve(problem, (0.2, 8.0), 0.5, 0.3, rtol=1e-12, atol=1e-13, method="dop853")
+    found = kd.solve(problem, (0.2, 8.0), 0.5, 0.3, rtol=tolerance, atol=tolerance, method=method)
+    assert abs(found.x[-1] - exact.x[-1]) < 20 * tolerance
+    steps = kd.solve(problem, (0.2, 8.0), 0.5, 0.3, step=7.8 / found.n_steps, method=method)
+    assert abs(found.x[-1] - exact.x[-1]) < 20 * abs(steps.x[-1] - exact.x[-1])

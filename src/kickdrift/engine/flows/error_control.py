@@ -22,6 +22,7 @@ from kickdrift.core.views import part
 from kickdrift.engine.flows.implicit import padded
 from kickdrift.engine.flows.layout import (
     CLOCK,
+    CLOCK_OF_V,
     CONTROL,
     DENSITY,
     END,
@@ -30,6 +31,7 @@ from kickdrift.engine.flows.layout import (
     LOST_TO_ROUNDING,
     MEMORY,
     REJECTED,
+    RETRIED,
     ROUNDED_OFF,
     SHADOW,
     TROUBLE,
@@ -82,7 +84,7 @@ def choose_first_step(t: float, h: float, x: Floats, v: Floats, params: Floats, 
     Hairer, Norsett, Wanner, as above: the first two steps of the algorithm on page 169.
     """
     n, own = x.size, own_params(work)
-    work[LAST_ERROR] = 1.0
+    work[LAST_ERROR] = work[RETRIED] = 1.0
     if own[GIVEN] != 0.0:
         return
     rate, v_rate, nothing = saved(n, 0, n, work), saved(n, 1, v.size, work), saved(n, 2, n, work)
@@ -132,6 +134,7 @@ def take_back(x: Floats, v: Floats, work: Floats) -> None:
     assign(part(work, n, 2 * n), saved(n, 2, 2 * n, work))
     assign(part(work, int(work[MEMORY]), shadow(work).size), shadow(work))
     work[CLOCK], work[ROUNDED_OFF] = own[BEGIN], own[BEGIN_ROUNDED_OFF]
+    work[CLOCK_OF_V] = own[BEGIN]
 
 
 def end_coarse(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:

@@ -82,6 +82,7 @@ TAKEN_BACK = -29  # number of steps rejected by a flow itself
 DENSITY_HERE = -27  # value of the density function after the last step
 SMALLEST, LARGEST = -24, -25  # of the steps taken
 LOST_STEPS = -31  # number of the last steps in a row that were lost to rounding beside the time
+RETRIED = -32  # whether a step that fails is tried again, shorter, by the control of errors
 CHANGES = -30  # number of changes of the state or the force between steps, which invalidate forces kept by flows
 FAILED_CONTROL, JAMMED, NOT_HELD, CROWDED, UNSIGNED_GAP = -1.0, -2.0, -3.0, -4.0, -5.0
 CHATTERING, MISSED_SWITCH = -6.0, -7.0

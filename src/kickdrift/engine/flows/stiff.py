@@ -6,7 +6,8 @@ than the step:
 - Each component starts from the polynomial of the previous step only if that has the direction of its own slope. After a
   transient it has not: the slopes of the first stages are unrelated to the motion that follows, and Newton's iteration finds
   another root from there. On Robertson's problem that was one with a negative concentration, and the run was lost.
-- A step whose equations cannot be solved is halved until they can, as where a relaxation oscillator jumps.
+- A step whose equations cannot be solved is halved until they can, as where a relaxation oscillator jumps; under a control of
+  errors the step fails instead, since nothing would compare its halves with others.
 - The step is compared with an embedded one (Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
   section IV.8), and the largest difference of each number is kept. The difference is multiplied by the inverse matrix of the
   iteration, if there is one: otherwise the stiff components would dominate it.
@@ -30,6 +31,7 @@ from kickdrift.engine.flows.layout import (
     EVALUATIONS,
     KEPT_BY,
     KEPT_FOR,
+    RETRIED,
     TROUBLE,
     coefficients_at,
     estimated_errors,
@@ -60,7 +62,7 @@ def memory_size(n: int, coefficients: Floats, params: Floats) -> int:
 
 
 def stiff_runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Floats, work: Floats) -> None:
-    """Advance x and v by h, in one step or by repeated halving."""
+    """Advance x and v by h, in one step or, unless a step that fails is tried again, by repeated halving."""
     trouble, done, share = work[TROUBLE], 0.0, 1.0
     while done < 1.0:
         work[TROUBLE] = trouble
@@ -70,7 +72,7 @@ def stiff_runge_kutta(t: float, h: float, x: Floats, v: Floats, params: Floats, 
                 share *= 2.0
         else:
             share *= 0.5
-            if share < _LEAST_SHARE:
+            if share < _LEAST_SHARE or work[RETRIED] != 0.0:
                 return
         if share < 1.0:
             forget(x.size, v.size, STAGES, GENERAL, work)
