@@ -49,6 +49,21 @@ def test_a_solution_goes_on_with_the_bits_of_one_run(system, method, step, save_
     assert not np.array_equal(restarted.x[-1], whole.x[-1])  # compensation and coordinates are part of the state
 
 
+@pytest.mark.parametrize("start", [0.0, 1.25, -0.7])
+@pytest.mark.parametrize("step", [0.1, 0.02, 1 / 3, 0.013])
+@pytest.mark.parametrize("ends", [(3, 9), (7, 14), (2, 59)])
+def test_steps_that_divide_both_spans_have_the_same_bits(start, step, ends, tmp_path):
+    """A step of the span over its number of steps may differ by a rounding for each end."""
+    orbit, (near, far) = kd.systems.kepler(eccentricity=0.3), (start + count * step for count in ends)
+    options = {"step": step, "method": "leapfrog"}
+    whole = kd.solve(orbit, (start, far), **options)
+    assert whole.step == step
+    same(kd.solve(orbit, (start, near), **options).continue_to(far), whole)
+    kept = {"checkpoint": tmp_path / "run", "checkpoint_every": 1, **options}
+    kd.solve(orbit, (start, near), **kept)
+    assert np.array_equal(kd.solve(orbit, (start, far), **kept).x, whole.x)
+
+
 def test_noise_goes_on():
     well = kd.Langevin(lambda x: 4 * x * (1 - x * x), friction=1.0, temperature=0.4, seed=7)
     options = {"x0": np.ones(5), "v0": np.zeros(5), "step": 0.25}
@@ -145,6 +160,7 @@ def test_a_solution_that_went_on_stays_as_it_was():
         (5.0, "does not lie beyond"),
         (-1.0, "does not lie beyond"),
         (10.04, r"nearest times are 10.0 and 10.0625"),
+        (10.02, r"nearest times are 10.0 and 10.0625"),
         (math.nan, "must be finite"),
         (math.inf, "must be finite"),
         ("late", "must be a time"),

@@ -642,8 +642,9 @@ def test_members_that_are_not_there_are_said_not_to_be():
     for i in (2, -3):
         with pytest.raises(IndexError, match=rf"no member {i}: they are 0 to 1"):
             runs[i]
-    with pytest.raises(ArgumentError, match="is not a member; give the number of one"):
-        runs[0:2]
+    for i in (slice(0, 2), [0, 1], "a", None, (0, 1), 1.0, np.array([0, 1]), True):
+        with pytest.raises(ArgumentError, match="is not a member; give the number of one"):
+            runs[i]
 
 
 def test_a_method_that_does_not_fit_is_refused():

@@ -512,3 +512,20 @@ def test_an_event_that_chatters_is_said_to():
     run = kd.solve(lambda x: -x, (0.0, 10.0), 1.0, 0.0, events=lambda x: np.sin(1e6 * x), **options)
     assert re.search(r"changed its sign in \d+ of 1000 steps: it may have chattered", run.message)
     assert "chattered" not in kd.solve(lambda x: -x, (0.0, 100.0), 1.0, 0.0, events=lambda x: x, **options).message
+
+
+@pytest.mark.parametrize(("restitution", "speed"), [(0.5, 1.0), (0.5, 0.0), (0.0, 1.0)])
+def test_a_ball_at_rest_has_no_more_zeros(restitution, speed):
+    """There its height is zero but for rounding, whose changes of sign are none of its own."""
+
+    def height(x):
+        return x[1]
+
+    def found(events):
+        impacts = kd.Impacts(lambda x: x[1], restitution=restitution)
+        options = {"step": 0.01, "method": "velocity-verlet", "impacts": impacts, "events": events}
+        return kd.solve(lambda x: np.array([0.0, -9.81]), (0.0, 5.0), [0.0, 1.0], [speed, 0.0], **options).t_events[0]
+
+    bounces = found(height)
+    np.testing.assert_allclose(found(with_attributes(height, rate_bound=50.0)), bounces, atol=1e-9)
+    assert len(bounces) == (17 if restitution else 1)

@@ -223,6 +223,8 @@ def test_eigenvalues_of_words_split_at_the_limit(name, limit):
 
 
 def test_a_folder_that_is_not_there_is_an_error(pendulum, tmp_path):
+    with pytest.raises(ArgumentError, match=r"path=5 is not a path; give a string such as 'picture\.png'"):
+        pendulum.plot(5)
     with pytest.raises(FileFormatError, match=r"path='.*missing.p\.png' cannot be written: No such file"):
         pendulum.plot(tmp_path / "missing" / "p.png")
 

@@ -212,6 +212,8 @@ def test_a_recording_that_cannot_be_shown_says_why(tmp_path, monkeypatch):
         replace(made, saved_to="x.zarr").to_html(tmp_path / "a.html")
     with pytest.raises(FileFormatError, match=r"a\.htm'? cannot be written: pages for the browser end in \.html"):
         made.to_html(tmp_path / "a.htm")
+    with pytest.raises(ArgumentError, match=r"path=5 is not a path; give a string such as 'run\.html'"):
+        made.to_html(5)
     with pytest.raises(FileFormatError, match=r"cannot be written: No such file or directory; choose another folder"):
         made.to_html(tmp_path / "nowhere" / "a.html")
     monkeypatch.setitem(sys.modules, "viser", None)

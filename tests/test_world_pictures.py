@@ -475,6 +475,8 @@ def test_films_that_cannot_be_written(falling, tmp_path, small_pictures, monkeyp
     for name in ("film", "film.avi", "film.png"):
         with pytest.raises(FileFormatError, match=r"animations end in \.gif or \.mp4"):
             falling.animate(tmp_path / name)
+    with pytest.raises(ArgumentError, match=r"path=5 is not a path; give a string such as 'run\.gif'"):
+        falling.animate(5)
     with pytest.raises(FileFormatError, match="cannot be written: No such file or directory"):
         falling.animate(tmp_path / "missing" / "film.gif")
     with pytest.raises(FileFormatError, match="cannot be written"):

@@ -18,8 +18,8 @@ from typing import Any, BinaryIO, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.core.errors import ArgumentError, FileFormatError
-from kickdrift.core.files import opened, written
+from kickdrift.core.errors import FileFormatError
+from kickdrift.core.files import opened, path_of, written
 
 Arrays = Mapping[str, NDArray[Any]]
 T = TypeVar("T")
@@ -81,9 +81,7 @@ def write(path: str | Path, header: Mapping[str, Any], arrays: Arrays, compresse
 
 
 def _target(path: str | Path) -> Path:
-    if not isinstance(path, str | os.PathLike):
-        raise ArgumentError(f"path={path!r} is not a path; give a string such as 'run.npz', or a pathlib.Path.")
-    target = Path(path)
+    target = path_of(path, "run.npz")
     if target.name in ("", "..") or "\0" in str(path):
         raise FileFormatError(f"path={str(path)!r} does not name a file; give a name such as 'run.npz'.")
     return target if target.suffix == ".npz" else target.with_name(target.name + ".npz")

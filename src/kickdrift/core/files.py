@@ -9,7 +9,22 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from kickdrift.core.errors import ArgumentError
+
 _NO_FILE = "it is a pipe, a socket or a device, not a regular file"
+
+
+def path_of(path: str | Path, example: str) -> Path:
+    """Return the path of a file to be written, given as text or as a path.
+
+    Raises
+    ------
+    ArgumentError
+        For anything else, which `example` shows how to name.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise ArgumentError(f"path={path!r} is not a path; give a string such as {example!r}, or a pathlib.Path.")
+    return Path(path)
 
 
 def opened(path: str | Path) -> BinaryIO:

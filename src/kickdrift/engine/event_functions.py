@@ -43,7 +43,7 @@ def functions_of(events: Any) -> tuple[Any, ...]:
 def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -> Event:
     terminal, direction = getattr(function, "terminal", False), getattr(function, "direction", 0)
     bound = getattr(function, "rate_bound", None)
-    name = f"{name}, {name_of(function)}" if callable(function) else name
+    argument, name = name, f"{name}, {name_of(function)}" if callable(function) else name
     if not (isinstance(terminal, bool | np.bool_ | int | np.integer) and terminal >= 0):
         raise ArgumentError(
             f"{name}, has terminal={terminal!r}; give True, False, or the number of the zero that ends the run."
@@ -56,7 +56,7 @@ def _event(name: str, function: Any, quantity: Callable[[str, Any], Quantity]) -
             raise ArgumentError(f"{name}, has {attribute}={value!r}; give {wanted}.")
     return Event(
         name,
-        quantity(name, function),
+        quantity(argument, function),
         int(terminal),
         float(np.sign(direction)),
         None if bound is None else float(bound),

@@ -151,7 +151,9 @@ def lay_grid(
         raise ArgumentError(
             f"max_steps={max_steps!r}: step={step!r} cuts t_span into {n_steps} steps; give a larger max_steps or step."
         )
-    h = (t1 - t0) / n_steps
+    # A step that divides the span is taken as it is, so that runs to other ends have the same bits.
+    divides = abs(n_steps * largest - length) <= rounding * length
+    h = math.copysign(largest, t1 - t0) if divides else (t1 - t0) / n_steps
     if t_eval is not None:
         _check_one_of(t_eval, save_every)
         wanted = _wanted_times(t_eval, t0, t1)
@@ -217,7 +219,7 @@ def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
         raise ArgumentError(f"t={t1!r} must be finite, and less than 2**53 steps of {grid.step!r} away.")
     rounding = 1e-9 + 4 * np.finfo(float).eps * max(abs(t1), abs(grid.t0)) / abs(grid.step)
     n_steps = round(ahead)
-    if n_steps <= done:
+    if ahead <= done + rounding:
         end = grid.t0 + done * grid.step
         raise ArgumentError(
             f"t={t1!r} does not lie beyond the end of the solution, {end!r}; for earlier times use solution(t)."

@@ -98,7 +98,7 @@ class Adapter(NamedTuple):
             return np.shape(returned)
         except Exception as error:
             raise ArgumentError(
-                f"{name_of(function)} failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
+                f"{role}, {name_of(function)}, failed at the start, x0 of shape {self.x0.shape}: {type(error).__name__}:"
                 f" {error}. It must return numbers."
             ) from error
 

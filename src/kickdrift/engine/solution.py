@@ -172,7 +172,7 @@ class Solution(Motion, Presented):
         return self.dense(t)
 
     def continue_to(self, t: float) -> Solution:
-        """Continue to another end: with equal steps, bit-identically to an uninterrupted run.
+        """Continue to another end: with equal steps that divide the whole span, bit-identically to an uninterrupted run.
 
         It continues from the last state of the loop, at the same step, whether the run reached its end, was interrupted, or
         was ended by an event. `terminal` events count afresh from there. Where steps vary, or are cut by impacts or switches,

@@ -143,7 +143,7 @@ def solve(
     checkpoint : path, optional
         A folder for checkpoints, created if missing. The same call, in any process, resumes from the newest one,
         bit-identically to an uninterrupted run; also with a later end, and with an earlier end from the newest checkpoint
-        before it. One process at a time. Where steps vary, the end must be the same.
+        before it, if the steps divide both spans. One process at a time. Where steps vary, the end must be the same.
     checkpoint_every : int, optional
         Steps from one checkpoint to the next; by default they are about a minute apart. Each holds the rows so far.
     checkpoint_keep : int, optional

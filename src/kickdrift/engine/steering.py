@@ -115,8 +115,13 @@ def steering_of(
     steering = Steering(control_of(step_control, step, rtol, atol), impacts, switches)
     if steering.control is not None and steering.cuts:
         given = f"rtol={rtol!r}, atol={atol!r}" if step_control is None else f"step_control={step_control!r}"
+        cuts, there = (
+            ("switches", "switch, and solve on from there")
+            if impacts is None
+            else ("impacts", "surface, and solve on with the velocity after the impact")
+        )
         raise ArgumentError(
-            f"{given} and impacts or switches are given, but each chooses the steps; leave one out, or end each run by a"
-            " terminal event at the surface, and solve on with the velocity after the impact."
+            f"{given} and {cuts} are given, but each chooses the steps; leave one out, or end each run by a terminal event"
+            f" at the {there}."
         )
     return steering

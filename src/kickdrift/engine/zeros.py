@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 # turn, some 1 / sqrt(part) parts stay near zero; a function that stays there for a whole step is evaluated at 256 parts of it.
 _HALVINGS = 20
 _WHOLE, _MOST_PARTS = 8, 4096
+_QUIET = 1e-14  # of the most that a function may change in a step: smaller values, of a body at rest, are rounding
 _ROUNDS = 100  # iterations of root finding, of which at least one in three halves the interval
 
 
@@ -124,11 +125,12 @@ def with_zeros(
     done = []
     for halving in range(_HALVINGS):
         way = bound * np.abs(parts.size) * (parts.end - parts.begin)
-        # It may be zero at both ends of a step, but hardly in its middle, too.
-        rests = (parts.first == 0.0) & (parts.last == 0.0) & (halving > 0)
+        # It may be zero, but for rounding, at both ends of a step, but hardly in its middle, too.
+        quiet = _QUIET * bound * np.abs(parts.size)
+        rests = (np.abs(parts.first) <= quiet) & (np.abs(parts.last) <= quiet) & (halving > 0)
         near = (np.abs(parts.first) + np.abs(parts.last) <= way) & ~rests  # it may turn there
         near &= ~_hopeless(which[near], halving, int(steps.t.size))[which]
-        done.append((parts.part(~near), which[~near]))
+        done.append((parts.part(~(near | rests)), which[~(near | rests)]))
         which, parts = which[near], parts.part(near)
         if not which.size:
             break

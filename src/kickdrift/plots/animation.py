@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError, FileFormatError
-from kickdrift.core.files import written
+from kickdrift.core.files import path_of, written
 from kickdrift.engine.progress import Bar
 from kickdrift.plots.page import FAINT, INK, new_figure
 from kickdrift.plots.painter import Painter
@@ -58,7 +58,7 @@ def animate_recording(
     Raises
     ------
     ArgumentError
-        For an invalid speed or rate.
+        For an invalid speed, rate or path.
     FileFormatError
         If the file cannot be written, or ffmpeg is missing.
     MissingExtraError
@@ -68,7 +68,7 @@ def animate_recording(
         raise ArgumentError(f"speed={speed!r} must be positive and finite; 1 is real time, 0.5 half as fast.")
     if not is_whole(rate, 1, 50):
         raise ArgumentError(f"rate={rate!r} must be a whole number of frames per second, from 1 to 50.")
-    target = Path(path)
+    target = path_of(path, "run.gif")
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(target.suffix.lower())
     if write is None:
         raise FileFormatError(f"path={str(path)!r} cannot be written: animations end in .gif or .mp4.")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kickdrift.core.errors import ArgumentError, FileFormatError, missing_extra
-from kickdrift.core.files import written
+from kickdrift.core.files import path_of, written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,12 +103,15 @@ def keep(figure: "Figure", path: str | Path | None) -> "Figure":
 
     Raises
     ------
+    ArgumentError
+        If that is not a path.
     FileFormatError
         If the file cannot be written there, or its extension is not a format of matplotlib.
     """
     if path is not None:
+        target = path_of(path, "picture.png")
         try:
-            with written(Path(path)) as partial:
+            with written(target) as partial:
                 figure.savefig(partial, dpi=_DPI)
         except OSError as error:
             raise FileFormatError(_unwritable(path, error.strerror or error, "choose another folder.")) from None

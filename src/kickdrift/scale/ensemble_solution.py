@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.outcomes import Outcome
 from kickdrift.engine.description import Description
@@ -125,11 +127,11 @@ class EnsembleSolution(Motion):
         Raises
         ------
         ArgumentError
-            For a slice.
+            For a slice, or anything else that is no whole number.
         IndexError
             If there is no such member.
         """
-        if isinstance(i, slice):
+        if not is_whole(i, -sys.maxsize):
             raise ArgumentError(
                 f"{i!r} is not a member; give the number of one. The states of several are in x[first:last]."
             )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import FileFormatError, KickdriftError
-from kickdrift.core.files import written
+from kickdrift.core.files import path_of, written
 from kickdrift.engine.solution import Solution
 from kickdrift.viewer.server import local_server
 
@@ -81,12 +81,14 @@ def write_page(path: str | Path, title: str, draw: Callable[[Stage], str]) -> Pa
 
     Raises
     ------
+    ArgumentError
+        For anything but a path.
     FileFormatError
         If the name does not end in .html, or the file cannot be written.
     MissingExtraError
         If viser is not installed.
     """
-    target = Path(path)
+    target = path_of(path, "run.html")
     if target.suffix.lower() != ".html":
         raise FileFormatError(f"path={str(path)!r} cannot be written: pages for the browser end in .html.")
     try:
