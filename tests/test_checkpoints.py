@@ -138,9 +138,9 @@ def test_a_folder_for_rows_is_not_held_by_a_run_whose_checkpoints_are_refused(tm
 
 
 def test_steps_that_differ_by_rounding_are_those_of_the_first_part(tmp_path):
-    first = solve(tmp_path / "run", end=0.29, step=0.01)
-    assert first.step != solve(end=0.7, step=0.01).step
-    on = solve(tmp_path / "run", end=0.7, step=0.01)
+    first = solve(tmp_path / "run", end=0.29, step=0.0101)
+    assert first.step != solve(end=0.7, step=0.0101).step
+    on = solve(tmp_path / "run", end=0.7, step=0.0101)
     same(on, first.continue_to(0.7))
 
 
