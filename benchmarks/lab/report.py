@@ -27,7 +27,7 @@ def _cell(result: Result) -> str:
         return f"refused: {result.reason}"
     if not result.runs:
         return "-"
-    cost = "" if np.isnan(result.cost) else f"; {1e3 * result.cost:.2g} ms"
+    cost = "" if np.isnan(result.cost) else f"; {1e3 * result.cost:.2g} to {1e3 * result.slow:.2g} ms"
     found = "; ".join(criterion.said(value) for criterion, value in result.findings)
     return f"{'holds' if result.holds else '**no**'}: {found}{cost}"
 
