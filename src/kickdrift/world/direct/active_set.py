@@ -45,10 +45,10 @@ SOLVE_ISLAND = types.boolean(types.intp, _WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH,
 
 call = caller(SOLVE_ISLAND)
 
-# Largest number of solutions with different pieces of laws assumed, for islands with joints and for heaps. Where a ball strikes
-# a wall of 56 blocks, a step leaves points at 0.05 m/s in the mean with 40, and at 0.18 with 20. With 40, sixteen ragdolls in a
-# heap take 1.7 times as long.
-TRIALS, HEAP_TRIALS = 20, 40
+# Largest number of solutions with different pieces of laws assumed. With 40, sixteen ragdolls in a heap take 1.7 times as long,
+# 64 balls that settle in a pen twice, and no more scenes of the lab hold; a ball that strikes a wall of 56 blocks leaves its
+# points at 0.18 m/s in the mean, with 40 at 0.05.
+TRIALS = 20
 
 # The same for the friction of bounces, which are rare. Of 3600 impacts of one to six balls and boxes on linkages at once, 2.8 %
 # need more than 20, 0.4 % more than 40, and 0.2 % more than 60, for which 200 are not enough either.
@@ -119,7 +119,7 @@ def solve_island(world: int, island: int, h: float, ahead: float, task: int, afr
         return True
     heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
-    for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else HEAP_TRIALS if heap else TRIALS):
+    for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else TRIALS):
         settled = review(world, island, h, task, trial == 0, afresh, touched, whole) and whole and trial > 0
         if settled:
             moving = _NOTICED_BOUND * inner_speed(world, island, MOTION) if heap and task == REST else 0.0
