@@ -2,8 +2,8 @@
 
 A stage of the step is a compiled function ``stage(t, h, world)``, where ``world`` is the address of a block that holds for
 every table its address, the number of rows in use and the number of rows allocated. Views of a table (`floats`, `integers`)
-cost nothing. Tables grow between stages, never within one: a stage that finds one full sets the status `FULL`, leaves
-everything as it was, and is run again once the table has grown.
+cost nothing. Tables grow between stages, never within one: a stage that finds one full sets the status `FULL`, and is
+run again once the table has grown: what it has written until then must not change the result.
 """
 
 import threading

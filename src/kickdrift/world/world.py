@@ -230,14 +230,17 @@ class World(
         ArgumentError
             For a step that is not positive and finite.
         LostBodyError
-            If a body is lost to infinity; the world is then restored to its state before the step.
+            If a body or a cloth is lost to infinity; the world is then restored to its state before the step.
+        KickdriftError
+            If a force or a wind raises an error; all bodies are then where they were before the step.
 
         Warns
         -----
         UnsolvedWarning
-            Each kind once per world: if joints lose energy because bodies turn too far in a substep, if a body has rested
-            for seconds on contacts that the solver leaves unsolved, if a body may have passed through another, and if
-            impacts had no end. The message names the substeps or the step that would suffice.
+            Each kind once per world: if joints lose or gain energy because bodies turn too far in a substep, if a body has
+            rested for seconds on contacts that the solver leaves unsolved, if a body may have passed through another, and if
+            impacts had no end; and for each cloth that the step makes far softer than its material. The message says which
+            substeps or steps help.
 
         Examples
         --------

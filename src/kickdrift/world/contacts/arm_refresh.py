@@ -4,13 +4,12 @@ from typing import Any
 
 from numba import carray
 
-from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import conjugate, exponential, product, times
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.contact_solver_simd import KERNEL
+from kickdrift.world.contacts.contact_solver_simd import run_kernel
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.group_bodies import gather, gather_inertia
 from kickdrift.world.contacts.impact_motion import is_moved, way_to
@@ -51,10 +50,8 @@ from kickdrift.world.tables import (
 )
 
 _W = c.WIDTH
-_SIZE, _GAPS = c.FIELDS * _W, 4 * _W
+_GAPS = 4 * _W
 _FAR = 1e10  # m, as a gap
-
-run_kernel = caller(KERNEL)
 
 
 @compiled(inline=True)
@@ -91,7 +88,10 @@ def _is_hit(world: int, g: int) -> bool:
 @compiled
 def _refresh_hit_group(world: int, h: float, g: int) -> None:
     scratch, gaps = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), carray(floats_on_stack(_GAPS), (_GAPS,))
-    n, own = integers(world, KERNEL_ADDRESSES)[0, c.LANE_COUNT], flat(world, LANES)[g * _SIZE : (g + 1) * _SIZE]
+    n, own = (
+        integers(world, KERNEL_ADDRESSES)[0, c.LANE_COUNT],
+        flat(world, LANES)[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE],
+    )
     gather_for_arms(world, g, scratch)
     find_stale(world, own, scratch, n)
     _put_poses(world, g, scratch, n)
@@ -141,7 +141,7 @@ def gather_for_arms(world: int, g: int, scratch: Any) -> None:
 
 @compiled
 def find_stale(world: int, own: Any, scratch: Any, n: int) -> None:
-    """Mark the lanes of a group whose bodies have turned or slid past each other since their arms were computed."""
+    """Mark the lanes of a group whose bodies have turned, slid or approached since their arms were computed."""
     kernels = integers(world, KERNEL_ADDRESSES)
     run_kernel(kernels[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
 

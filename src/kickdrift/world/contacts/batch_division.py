@@ -38,9 +38,8 @@ KEPT_STATE = column(STARTED_IMPULSE)
 # Bodies and contacts, of some 900 bytes each: the data that a substep reads fit into half a megabyte.
 _MOST = 512
 FEW = 1000  # bodies, up to which a whole world fits into the cache
-CROWD = (
-    256  # free bodies, up to which heaps may be solved directly, and ask for the step to be done again: not in batches
-)
+# Free bodies, up to which heaps may be solved directly, and ask for the step to be done again: not in batches.
+CROWD = 256
 
 
 @compiled

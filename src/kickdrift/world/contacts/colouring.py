@@ -103,8 +103,8 @@ def _lay_out_groups(world: int, batches: int) -> bool:
     if first > room(world, GROUPS):
         ask_for_room(world, GROUPS, first)
         return False
-    if most * c.FIELDS * c.WIDTH > room(world, LANES):
-        ask_for_room(world, LANES, most * c.FIELDS * c.WIDTH)
+    if most * c.GROUP_SIZE > room(world, LANES):
+        ask_for_room(world, LANES, most * c.GROUP_SIZE)
         return False
     if colours[LINKED, c.COLOUR_CONTACTS] > room(world, CONTACT_ROW):
         ask_for_room(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
@@ -112,7 +112,7 @@ def _lay_out_groups(world: int, batches: int) -> bool:
     set_rows(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
     set_rows(world, GROUPS, first)
     for k in range(rows(world, BATCH)):
-        integers(world, BATCH)[k, LANES_BEFORE] = colours[k * BATCH_COLOURS, c.FIRST_GROUP] * c.FIELDS * c.WIDTH
+        integers(world, BATCH)[k, LANES_BEFORE] = colours[k * BATCH_COLOURS, c.FIRST_GROUP] * c.GROUP_SIZE
     return True
 
 

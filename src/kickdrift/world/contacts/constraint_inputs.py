@@ -52,8 +52,9 @@ from kickdrift.world.tables import (
     integers,
 )
 
-# Arms are recomputed if bodies turn or slide past each other faster than _STILL, in widths of their common face per second.
-# Bodies that creep keep the arms with which they came to rest, until these are wrong by more than _CREEP widths: contacts of
+# Arms are recomputed if bodies turn or slide past each other faster than _STILL, in half widths of their common face per
+# second.
+# Bodies that creep keep the arms with which they came to rest, until these are wrong by more than _CREEP of them: contacts of
 # a tall stack are soft, and with arms that follow every lean it would bend like a soft rod, and fall. Contacts at edges and
 # points have no width, and round shapes roll: their arms always follow.
 _STILL, _CREEP = 1.2, 0.2

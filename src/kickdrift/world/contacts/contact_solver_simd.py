@@ -10,6 +10,7 @@ from typing import Any
 
 from numba import types
 
+from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.effective_mass_simd import find_stale, refresh, refresh_friction
@@ -29,12 +30,14 @@ from kickdrift.world.contacts.prepare_simd import (
 _ARRAY = types.Array(types.float64, 1, "C")
 KERNEL = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64, types.int64)
 
+run_kernel = caller(KERNEL)
+
 
 @compiled(fast=True, inline=True)
 def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, spring: Any, state: Any) -> Any:
     """Solve one point, whose fields begin at i; return the state.
 
-    It is the sum of the impulses, the normal and both angular velocities, and 1.0 if a point has landed.
+    It is the sum of the changes of impulses, the normal velocity and both angular velocities, and 1.0 if a point has landed.
     """
     rate, soft_mass, soft_impulse, per_h, bound, closed, bounces, lands, sum_mass = spring
     tx, ty, tz, ex, ey, ez = arms
@@ -55,8 +58,8 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     # depth, between which balls wander for ever.
     change = min(-mass * (scale * speed + bias) - leak * impulse, mass * (bound - speed))
     new = max(impulse + change, 0.0)
-    # The relaxing sweep adds nothing to points that are separated by more than rounding and carry no impulse, since they may
-    # bounce when they meet in the next substep; of loaded points, rounding decides whether they are separated. Neither sweep
+    # The relaxing sweep adds nothing to points that do not overlap by more than rounding and carry no impulse, since they may
+    # bounce when they meet in the next substep; of loaded points, rounding decides whether they overlap. Neither sweep
     # adds anything to points that approach fast enough to bounce, and have not bounced yet.
     idle = ((gap > closed) | (speed < bounces)) & (impulse <= rounding)
     d = min(new - impulse, 0.0 if idle else 1e300)
@@ -79,9 +82,9 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
 
 @compiled(fast=True)
 def solve_normals(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
-    """Do one sweep over the points: soft and with bias if `soft` is 1.0, rigid and without bias if it is 0.0.
+    """Do one sweep over the points: soft, and pushing overlapping ones apart, if `soft` is 1.0; rigid and without it if 0.0.
 
-    With bias, `bound` is the largest speed at which overlapping points separate, m/s. Without bias, it is the depth from which
+    With the push, `bound` is the largest speed at which overlapping points separate, m/s. Without, it is the depth from which
     points begin to carry impulses, m, and bounds no speed.
     """
     closed = 1e300 if soft > 0.0 else -bound
@@ -178,7 +181,7 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, bound: float, n:
 
 
 @compiled(fast=True, inline=True)
-def _point_speed(own: Any, lane: int, i: int, v: float, turning: Any, between: Any) -> float:
+def _point_speed(own: Any, i: int, v: float, turning: Any, between: Any) -> float:
     """Return the normal speed of a point whose fields begin at i; 0.0 if it carries no impulse."""
     wax, way, waz, wbx, wby, wbz = turning
     ex, ey, ez = between
@@ -199,10 +202,10 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
         dx, dy, dz = vector(own, c.BETWEEN, lane)
         between = (dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx)
         i = c.P * W + lane
-        most = _point_speed(own, lane, i, v, turning, between)
-        most = max(most, _point_speed(own, lane, i + NEXT, v, turning, between))
-        most = max(most, _point_speed(own, lane, i + 2 * NEXT, v, turning, between))
-        s[MARK * W + lane] = max(most, _point_speed(own, lane, i + 3 * NEXT, v, turning, between))
+        most = _point_speed(own, i, v, turning, between)
+        most = max(most, _point_speed(own, i + NEXT, v, turning, between))
+        most = max(most, _point_speed(own, i + 2 * NEXT, v, turning, between))
+        s[MARK * W + lane] = max(most, _point_speed(own, i + 3 * NEXT, v, turning, between))
 
 
 # By columns of the table `KERNEL_ADDRESSES`, which holds their addresses

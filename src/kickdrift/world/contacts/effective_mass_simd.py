@@ -1,8 +1,9 @@
 """Arms, effective masses and gaps of constraints, in lanes, for the present poses of bodies.
 
-`refresh` is the only place that computes arms and effective masses. Points turn with their bodies; for round shapes the core
-does (`kickdrift.world.contacts.round_cores`), and the radius stays along the normal, so that spinning about the core does not
-turn the contact, and rolling does not open it. Both arms end at one point, which conserves momentum and angular momentum.
+In the sweeps, `refresh` and `refresh_friction` alone compute arms and effective masses. Points turn with their bodies; for
+round shapes the core does (`kickdrift.world.contacts.round_cores`), and the radius stays along the normal, so that spinning
+about the core does not turn the contact, and rolling does not open it. Both arms end at one point, which conserves momentum and
+angular momentum.
 """
 
 import math

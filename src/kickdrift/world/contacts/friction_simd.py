@@ -61,7 +61,7 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, bound: float, n:
         new1 = old1 - (k11 * s1 + k12 * s2)
         new2 = old2 - (k12 * s1 + k22 * s2)
         # A sticking contact gets the impulse that stops it. Off the line of centres that impulse does not oppose the sliding,
-        # as friction on a sliding contact is: hence one mass, the smallest, for all directions.
+        # as friction on a sliding contact does: hence one mass, the smallest, for all directions.
         most = friction * normal
         sticks = new1 * new1 + new2 * new2 <= most * most
         half, between = 0.5 * (k11 + k22), 0.5 * (k11 - k22)

@@ -67,8 +67,6 @@ from kickdrift.world.tables import (
     integers,
 )
 
-_SIZE = c.FIELDS * c.WIDTH
-
 # Position, orientation, velocity, angular velocity, angular acceleration, and the rotation vector since the substep began
 Flight = tuple[Vector, Quaternion, Vector, Vector, Vector, Vector]
 Place = tuple[Vector, Quaternion]  # position, and the rotation since the step began
@@ -78,8 +76,8 @@ Place = tuple[Vector, Quaternion]  # position, and the rotation since the step b
 def constraint(world: int, row: int) -> Any:
     """Return the fields of a contact's lane."""
     place = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
-    begin = place // c.WIDTH * _SIZE + place % c.WIDTH
-    return flat(world, LANES)[begin : begin + _SIZE - c.WIDTH + 1]
+    begin = place // c.WIDTH * c.GROUP_SIZE + place % c.WIDTH
+    return flat(world, LANES)[begin : begin + c.GROUP_SIZE - c.WIDTH + 1]
 
 
 @compiled(inline=True)

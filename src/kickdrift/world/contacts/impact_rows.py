@@ -31,9 +31,7 @@ ROW = column(IMPACT)  # of the contact
 LISTED = column(IMPACT)  # row of the contact in `BOUNCING`
 TIME = column(IMPACT, 1, "s")  # when the first of its points hits
 SPEED = column(IMPACT, 1, "m/s")  # of that point
-APPROACH = column(
-    IMPACT, 1, "m/s"
-)  # speed at which it approaches where its impulse acts: half way between its two points
+APPROACH = column(IMPACT, 1, "m/s")  # its speed where the impulse acts: half way between its two points
 BOUNCE = column(IMPACT)  # coefficient of restitution e
 ARM_A = column(IMPACT, 3, "m")  # from the centres of both bodies to the centre of the contact
 ARM_B = column(IMPACT, 3, "m")

@@ -133,6 +133,7 @@ SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, an
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step
 FIELDS = _CONSTRAINT.close()
+GROUP_SIZE = FIELDS * WIDTH  # numbers of a group
 
 # Values of the first number of REFERENCE after a search for impacts: turns so large that arms are recomputed. The second is
 # then the speed, m/s, at which the contact hit, or seemed to hit, last

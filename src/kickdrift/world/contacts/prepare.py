@@ -2,14 +2,13 @@
 
 from numba import carray
 
-from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.constraint_inputs import gather
-from kickdrift.world.contacts.contact_solver_simd import KERNEL
+from kickdrift.world.contacts.contact_solver_simd import run_kernel
 from kickdrift.world.contacts.lane_transpose import fetch_rows
 from kickdrift.world.contacts.softness import softness
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
@@ -29,8 +28,6 @@ from kickdrift.world.tables import (
 
 _MANY = 250  # groups, above which manifolds do not fit into a megabyte
 _RAW, _SCRATCH = r.RAW * c.WIDTH, r.SCRATCH_SIZE
-
-run_kernel = caller(KERNEL)
 
 
 @compiled
@@ -64,7 +61,7 @@ def prepare(t: float, h: float, world: int) -> None:
                 raw[k * c.WIDTH + lane] = 0.0
             for k in range(r.INERTIA_A, r.MARK):
                 scratch[k * c.WIDTH + lane] = 0.0
-        own = lanes[g * c.FIELDS * c.WIDTH : (g + 1) * c.FIELDS * c.WIDTH]
+        own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
         run_kernel(kernels[0, c.FILL], (own, raw, substep, 0.0, 0.0, n))
         run_kernel(kernels[0, c.REFRESH], (own, scratch, slop, 0.0, 0.0, n))
         run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))

@@ -54,7 +54,7 @@ INERTIA_B = _SCRATCH.field(6, "1/(kg m^2)")
 TURNED_A = _SCRATCH.field(4)  # rotations of the bodies since the step began, or from the present to the pose at rest
 TURNED_B = _SCRATCH.field(4)
 FROM_A_TO_B = _SCRATCH.field(3, "m")
-MARK = _SCRATCH.field()  # 1.0 where arms are to be recomputed
+MARK = _SCRATCH.field()  # 1.0 where arms are to be recomputed; or the residual of the contact, m/s
 SCRATCH_SIZE = _SCRATCH.close() * W
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
@@ -142,7 +142,7 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float
 
 @compiled(fast=True)
 def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -> None:
-    """Write all fields of the constraints of a group except those that `refresh` computes; h is the substep, s."""
+    """Write all fields of the constraints of a group except those of `refresh` and `refresh_friction`; h is the substep, s."""
     for lane in range(count):
         i, j, at = c.P * W + lane, ON_A * W + lane, _ANCHORS + lane
         n = vector(raw, NORMAL, lane)

@@ -2,7 +2,6 @@
 
 from numba import carray
 
-from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
@@ -10,7 +9,7 @@ from kickdrift.world.collision.body_acceleration import weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
-from kickdrift.world.contacts.contact_solver_simd import KERNEL
+from kickdrift.world.contacts.contact_solver_simd import run_kernel
 from kickdrift.world.contacts.lane_transpose import gather_rows
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
 from kickdrift.world.layout import RESIDUAL_SIZE
@@ -30,18 +29,15 @@ from kickdrift.world.tables import (
 )
 
 _W = c.WIDTH
-_SIZE = c.FIELDS * _W
 
-# Residuals above _NOTED times the velocity that gravity and forces add in a step are noted, and above _FAR times that they are
-# far too large. Without gravity and forces, the velocity that lets bodies sink by _SUNK of the slop in a step takes its place:
-# about that of gravity at 1/60 s.
+# Residuals above _NOTED times the velocity that gravity and forces add in a step are noted, and count as far too large above
+# _FAR times that. Without gravity and forces, the velocity that lets bodies sink by _SUNK of the slop in a step takes its
+# place: about that of gravity at 1/60 s.
 _NOTED, _FAR, _SUNK = 0.01, 30.0, 0.5
 
 # Bits of RESIDUAL_SIZE: in this step the residual of a body was noted; was far too large; or the body has contacts that are
 # solved directly.
 NOTED_RESIDUAL, FAR_RESIDUAL, TOUCHES = 1, 2, 4
-
-run_kernel = caller(KERNEL)
 
 
 @compiled
@@ -56,7 +52,7 @@ def measure_residual(t: float, h: float, world: int) -> None:
     for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.FIRST_GROUP]):
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
         gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
-        run_kernel(kernels[0, c.MEASURE], (lanes[g * _SIZE : (g + 1) * _SIZE], scratch, 0.0, 0.0, 0.0, n))
+        run_kernel(kernels[0, c.MEASURE], (lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE], scratch, 0.0, 0.0, 0.0, n))
         for lane in range(n):
             left = scratch[MARK * _W + lane]
             most = max(most, left)

@@ -40,7 +40,7 @@ def add_support(world: int) -> None:
 
 @compiled
 def remove_support(world: int) -> None:
-    """Subtract it again: the sweeps begin with these impulses."""
+    """Subtract what `add_support` has added: the sweeps begin with these impulses."""
     _shift(world, -1.0)
 
 

@@ -12,9 +12,8 @@ be pressed into the floor otherwise.
 
 Contacts without restitution are included where shapes are so fast that they may pass each other within the step, since one
 sweep over the points of a manifold does not stop them, and in heaps in which others bounce. On these, sweeps act, too, so that
-a light body between heavy ones passes impulses on.
-Contacts of e = 0 that approach slowly again are left to the sweeps.
-Bodies at rest are carried meanwhile by what they rest on (`kickdrift.world.contacts.resting_support`).
+a light body between heavy ones passes impulses on; they also stop what approaches slowly after its impact. Bodies at rest are
+carried meanwhile by what they rest on (`kickdrift.world.contacts.resting_support`).
 
 A row of `IMPACT` is a contact that hits. This module finds its time, speed and coefficient;
 `kickdrift.world.contacts.impact_rows` and `kickdrift.world.contacts.simultaneous_impact` compute the other columns.
@@ -63,7 +62,7 @@ from kickdrift.world.tables import (
 _ROUNDS = 400
 # After these all that hits is stopped: a ball between a wall and one of a thousand times its mass is hit a hundred times.
 _APART = 300
-_SLOW = 1e-6  # of the fastest impact of a substep: slower ones do not count
+_SLOW = 1e-6  # of the fastest impact of a substep: slower ones are not stopped together
 _ROUGH = 1e-3  # likewise: faster approaches left cause a warning if they come to a tenth of the slop in the substep
 _FASTER = 2.0  # times the speed at which a contact seemed to hit and did not: then it may hit after all
 # Tolerances of the impulses of a round, of the largest: those that stop what still approaches need no more than `_SLOW`.
@@ -76,7 +75,7 @@ _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until
 
 @compiled
 def find_bouncing(t: float, h: float, world: int) -> None:
-    """List the contacts that may bounce."""
+    """List the contacts that may bounce, and set the speeds from which on they do."""
     contact, count = integers(world, CONTACT), 0
     if rows(world, CONTACT) > room(world, BOUNCING):
         ask_for_room(world, BOUNCING, rows(world, CONTACT))

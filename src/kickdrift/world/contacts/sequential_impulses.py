@@ -1,7 +1,7 @@
 """Sequential impulses for contacts: sweeps over the colours, in lanes within a colour.
 
 Soft steps after E. Catto, "Solver2D" (2024): every substep has a pass with a bias that pushes overlapping bodies apart like a
-damped spring, and, after the drift, a relaxing pass without bias that removes the velocity of the push and applies friction.
+damped spring, and, after the drift, a relaxing pass without it that removes the velocity of the push and applies friction.
 Before the latter, arms are recomputed where bodies have moved.
 """
 
@@ -12,8 +12,9 @@ from numba import carray, prange
 from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.arm_refresh import find_stale, gather_for_arms, refresh_marked, run_kernel
+from kickdrift.world.contacts.arm_refresh import find_stale, gather_for_arms, refresh_marked
 from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
+from kickdrift.world.contacts.contact_solver_simd import run_kernel
 from kickdrift.world.contacts.group_bodies import add_changes, fetch, gather, gather_inertia, scatter
 from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, SCRATCH_SIZE, VELOCITY_A
 from kickdrift.world.settings import PUSH_SPEED, SLOP
@@ -34,7 +35,6 @@ from kickdrift.world.tables import (
 )
 
 _W = c.WIDTH
-_SIZE = c.FIELDS * _W
 
 _TOUCHING = 1e-6  # of the slop: depth from which points count as touching, above rounding
 _FEWEST = 16  # groups of a colour from which on a parallel region, of some 10 us, pays off
@@ -76,7 +76,7 @@ def _warm_start_group(world: int, h: float, g: int) -> None:
     else:
         gather(world, g, motion, VELOCITY_A, scratch)
     gather_inertia(world, g, inverse_mass, scratch)
-    own, n = lanes[g * _SIZE : (g + 1) * _SIZE], kernels[0, c.LANE_COUNT]
+    own, n = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE], kernels[0, c.LANE_COUNT]
     run_kernel(kernels[0, c.APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
     if linked:
         add_changes(world, g, motion, scratch)
@@ -105,7 +105,7 @@ def _solve_group(world: int, h: float, g: int) -> None:
     gather(world, g, motion, VELOCITY_A, scratch)
     gather(world, g, delta_pose, DELTA_POSE_A, scratch)
     gather_inertia(world, g, inverse_mass, scratch)
-    own = lanes[g * _SIZE : (g + 1) * _SIZE]
+    own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
     run_kernel(kernels[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
     scatter(world, g, motion, scratch)
 
@@ -122,7 +122,7 @@ def _relax_group(world: int, h: float, g: int) -> None:
     n = kernels[0, c.LANE_COUNT]
     fetch(world, g)
     gather_for_arms(world, g, scratch)
-    own = lanes[g * _SIZE : (g + 1) * _SIZE]
+    own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
     find_stale(world, own, scratch, n)
     refresh_marked(world, h, g, own, scratch, n)
     if _is_linked(world, g):  # the direct solver finds its impulses
@@ -160,7 +160,7 @@ def store(t: float, h: float, world: int) -> None:
             row = groups[g, c.GROUP_CONTACTS + lane]
             if row < 0:
                 continue
-            own = lanes[g * _SIZE + lane : (g + 1) * _SIZE]
+            own = lanes[g * c.GROUP_SIZE + lane : (g + 1) * c.GROUP_SIZE]
             for k in range(contact[row, c.POINTS]):
                 impulse = own[(c.P + c.POINT_FIELDS * k + c.IMPULSE) * _W]
                 manifold[row, c.NORMAL_IMPULSE + k] = impulse

@@ -7,7 +7,8 @@ from kickdrift.core.vectors import Vector
 from kickdrift.world.settings import CONTACT_DAMPING, CONTACT_HERTZ, STEP, SUBSTEPS
 from kickdrift.world.tables import SETTINGS, floats
 
-# Largest frequency of the contact spring times the substep. A pyramid of twenty rows sways from 0.2 on, and stands with 0.15.
+# Default frequency of the contact spring of movable bodies, times the substep. A pyramid of twenty rows sways from 0.2 on, and
+# stands with 0.15.
 STIFFEST = 0.15
 
 

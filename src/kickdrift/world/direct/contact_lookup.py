@@ -7,7 +7,6 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.tables import COLOURS, CONTACT_ROW, GROUPS, LANES, flat, integers
 
-_SIZE = c.FIELDS * c.WIDTH
 _COLUMNS = CONTACT_ROW.width
 
 
@@ -28,7 +27,7 @@ def contact_row(world: int, index: int) -> Any:
 def constraint(world: int, index: int) -> Any:
     """Return the constraint of a contact: field k is number k WIDTH."""
     g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
-    return flat(world, LANES)[g * _SIZE + index % c.WIDTH : (g + 1) * _SIZE]
+    return flat(world, LANES)[g * c.GROUP_SIZE + index % c.WIDTH : (g + 1) * c.GROUP_SIZE]
 
 
 @compiled(inline=True, cached=False, fast=True)

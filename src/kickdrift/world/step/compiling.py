@@ -1,4 +1,4 @@
-"""Compilation of the functions of a step, in parallel, before the first step."""
+"""Compilation of the functions of a step, in parallel, before the first step and where a step needs others."""
 
 from collections.abc import Iterable
 

@@ -101,7 +101,7 @@ def begin(t: float, h: float, world: int) -> None:
 
 @compiled(inline=True)
 def _keep_rotation(world: int, body: int) -> None:
-    """Keep the data of a body that a drift leaves besides its pose and motion."""
+    """Keep the data of a body that a drift changes besides its pose and motion."""
     kept, kicked, inverse_mass = floats(world, STARTED_ROTATION), floats(world, KICKED), floats(world, INVERSE_MASS)
     for k in range(3):
         kept[body, STARTED_SPIN + k] = kicked[body, SPIN + k]
@@ -129,7 +129,7 @@ def roll_back(tables: Tables) -> None:
 
 
 def _roll_back_rotations(tables: Tables) -> None:
-    """Restore the data of bodies that a drift leaves besides their poses and motions, to the last bit."""
+    """Restore the data of bodies that a drift changes besides their poses and motions, to the last bit."""
     tumbles = (tables.array(BODY)[:, BODY_KIND] == DYNAMIC) & (tables.array(INERTIA)[:, INERTIA_KIND] == TUMBLES)
     kept, kicked, inverse_mass = (tables.array(table) for table in (STARTED_ROTATION, KICKED, INVERSE_MASS))
     for table, first, size, started in (

@@ -1,7 +1,7 @@
 """The loop that runs the step of a world, a word over stages; `kickdrift.world.step.stage_order.word` returns the word.
 
-Two of its letters, `kick` and `drift`, are flows like those of the engine; between them are projections onto the velocities
-that contacts and joints allow.
+Two of its letters, `kick` and `drift`, are flows like those of the engine; between and after them are projections onto the
+velocities that contacts and joints allow.
 """
 
 from typing import Any

@@ -19,7 +19,7 @@ WARNING = column(STEP_STATUS)  # set of warnings found; no reason to stop
 SAID = column(STEP_STATUS)  # those of them that were issued
 MIDWAY = column(STEP_STATUS)  # 1 while a step is in progress
 REPEATED = column(STEP_STATUS)  # 1 if it is repeated because the sweeps had left a heap far from solved
-HALVINGS = column(STEP_STATUS)  # how often the step was halved: it is done in 2 to that power parts
+HALVINGS = column(STEP_STATUS)  # how often the step was halved: the present part is that over 2 to this power
 STARTED_WARNING = column(STEP_STATUS)  # WARNING at the beginning of the step or part
 BOUNCING_BODY = column(STEP_STATUS)  # row of a body whose impacts had no end, for the warning
 

@@ -85,7 +85,7 @@ class DoesSteps:
         try:
             while done < count:
                 before, until = done, min(count, done + chunk)
-                if self._breakable:  # joints that break in a step are removed before the next
+                if self._breakable:  # joints that break and cloths that tear in a step change before the next
                     until = done + 1
                 if recorder is not None:
                     until = min(until, done + recorder.steps_to_row)
@@ -223,7 +223,7 @@ class DoesSteps:
         return self._program
 
     def _tell_of_softening(self) -> None:
-        """Warn, once for each, of cloths that the step allows only to be far softer than their material."""
+        """Warn, once for each, of cloths that the step makes far softer than their material."""
         for words, note in self.cloths.far_softer().items():
             if words not in self._softened:
                 self._softened.add(words)

@@ -1,7 +1,7 @@
 """Steps done in parts: a step too long for its impacts or the rotation of touching bodies is halved as often as necessary.
 
-A part is a step of its own, with a search at its start. Substeps keep their length as long as a part contains a whole one;
-shorter parts are one substep each. Forces of joints are means over all parts, the residual is the largest.
+A part is a step of its own, with a search at its start. Substeps keep their length where the parts divide their number, or get
+shorter; parts shorter than one are one substep each. Forces of joints are means over all parts, the residual is the largest.
 """
 
 from collections.abc import Callable
