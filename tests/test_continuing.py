@@ -64,6 +64,12 @@ def test_steps_that_divide_both_spans_have_the_same_bits(start, step, ends, tmp_
     assert np.array_equal(kd.solve(orbit, (start, far), **kept).x, whole.x)
 
 
+def test_a_step_of_a_few_roundings_of_the_time_does_not_end_a_step_short():
+    start, step = 1e9, 5e-7  # four roundings
+    short = kd.solve(pulled, (start, start + 10 * step), 1.0, 0.0, step=step)
+    assert start + short.n_steps * short.step == pytest.approx(short.t[-1], abs=1.2e-7, rel=0)
+
+
 def test_noise_goes_on():
     well = kd.Langevin(lambda x: 4 * x * (1 - x * x), friction=1.0, temperature=0.4, seed=7)
     options = {"x0": np.ones(5), "v0": np.zeros(5), "step": 0.25}

@@ -529,3 +529,18 @@ def test_a_ball_at_rest_has_no_more_zeros(restitution, speed):
     bounces = found(height)
     np.testing.assert_allclose(found(with_attributes(height, rate_bound=50.0)), bounces, atol=1e-9)
     assert len(bounces) == (17 if restitution else 1)
+
+
+def test_flat_zeros_and_small_oscillations_are_found_with_a_bound_of_the_rate():
+    cube, fifth = (with_attributes(lambda x, n=n: x[0] ** n, rate_bound=1.1 * n) for n in (3, 5))
+    moving = kd.solve(lambda x: 0 * x, (0.0, 2.0), [-1.0], [1.0], step=0.1, events=[cube, fifth])
+    for zeros in moving.t_events:
+        np.testing.assert_allclose(zeros, [1.0], atol=1e-6)
+
+    def place(x):
+        return x[0]
+
+    def fading(events):
+        return kd.solve(lambda x, v: -x - 0.5 * v, (0.0, 200.0), [0.9], [0.0], step=0.1, events=events).t_events[0]
+
+    assert len(fading(with_attributes(place, rate_bound=1.0))) == len(fading(place)) == 62

@@ -152,7 +152,7 @@ def lay_grid(
             f"max_steps={max_steps!r}: step={step!r} cuts t_span into {n_steps} steps; give a larger max_steps or step."
         )
     # A step that divides the span is taken as it is, so that runs to other ends have the same bits.
-    divides = abs(n_steps * largest - length) <= rounding * length
+    divides = abs(n_steps * largest - length) <= min(rounding * length, 1e-6 * largest)
     h = math.copysign(largest, t1 - t0) if divides else (t1 - t0) / n_steps
     if t_eval is not None:
         _check_one_of(t_eval, save_every)
@@ -217,7 +217,7 @@ def lengthen(grid: Grid, t1: float, done: int, state_size: int) -> Grid:
     ahead = (t1 - grid.t0) / grid.step
     if not math.isfinite(t1) or ahead > 2**53:
         raise ArgumentError(f"t={t1!r} must be finite, and less than 2**53 steps of {grid.step!r} away.")
-    rounding = 1e-9 + 4 * np.finfo(float).eps * max(abs(t1), abs(grid.t0)) / abs(grid.step)
+    rounding = min(1e-9 + 8 * np.finfo(float).eps * max(abs(t1), abs(grid.t0)) / abs(grid.step), 0.1)
     n_steps = round(ahead)
     if ahead <= done + rounding:
         end = grid.t0 + done * grid.step

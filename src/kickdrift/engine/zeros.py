@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 # turn, some 1 / sqrt(part) parts stay near zero; a function that stays there for a whole step is evaluated at 256 parts of it.
 _HALVINGS = 20
 _WHOLE, _MOST_PARTS = 8, 4096
-_QUIET = 1e-14  # of the most that a function may change in a step: smaller values, of a body at rest, are rounding
+_QUIET = 1e-30  # of the most that a function may change in a step: smaller values are rounding, as of the gap of a body at rest
 _ROUNDS = 100  # iterations of root finding, of which at least one in three halves the interval
 
 
@@ -121,13 +121,12 @@ def with_zeros(
     which : array of int
         The steps of which they are parts.
     """
-    which, parts = np.arange(steps.t.size), steps
+    which, parts, quiet = np.arange(steps.t.size), steps, _are_quiet(steps, bound)
     done = []
     for halving in range(_HALVINGS):
         way = bound * np.abs(parts.size) * (parts.end - parts.begin)
         # It may be zero, but for rounding, at both ends of a step, but hardly in its middle, too.
-        quiet = _QUIET * bound * np.abs(parts.size)
-        rests = (np.abs(parts.first) <= quiet) & (np.abs(parts.last) <= quiet) & (halving > 0)
+        rests = quiet[which] & _are_quiet(parts, bound) & (halving > 0)
         near = (np.abs(parts.first) + np.abs(parts.last) <= way) & ~rests  # it may turn there
         near &= ~_hopeless(which[near], halving, int(steps.t.size))[which]
         done.append((parts.part(~(near | rests)), which[~(near | rests)]))
@@ -141,6 +140,12 @@ def with_zeros(
     parts, which = parts.joined(*(own for own, _ in done)), np.concatenate((which, *(of for _, of in done)))
     changed = changes(parts)
     return parts.part(changed), which[changed]
+
+
+def _are_quiet(parts: Brackets, bound: float) -> NDArray[np.bool_]:
+    """Whether a function is zero, but for rounding, at both ends of each part."""
+    most = _QUIET * bound * np.abs(parts.size)
+    return np.asarray((np.abs(parts.first) <= most) & (np.abs(parts.last) <= most))
 
 
 def _hopeless(which: NDArray[np.intp], halving: int, steps: int) -> NDArray[np.bool_]:

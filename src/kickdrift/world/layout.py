@@ -92,7 +92,7 @@ NEXT_IMPACT = column(KICKED, 1, "s")  # in the substep
 # Of impacts in the substep: the last round in which the body was hit, and the last sweep over it that changed its velocity
 LAST_ROUND = column(KICKED)
 LAST_SWEEP = column(KICKED)
-# Within a round, before that is noted: the first hit of those connected with the body
+# Within a round, before that is noted: the first hit of the body, or of those connected with it
 GROUP = column(KICKED, over=LAST_ROUND)
 
 WHOLE_KICK, HALF_KICK, FREE_KICK = 0.0, 1.0, 2.0

@@ -255,10 +255,10 @@ def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
 
 @compiled
 def normal_between(own: Any, normal: Vector, a: Place, b: Place) -> tuple[Vector, float]:
-    """Return the normal of a contact at these places, and how far its centre of curvature is.
+    """Return the normal of a contact at these places, and the distance over which it turns, m.
 
-    For two balls that is the direction from one centre to the other, and their distance; for other shapes, whose normals do
-    not turn, the one given, and infinity.
+    For two balls it is the direction from one centre to the other, and turns over their distance; for other shapes it is the
+    one given, and does not turn: the distance is infinite.
     """
     radii, axes = c.ANCHORS + c.RADII, c.AXES
     radius_a, radius_b = own[radii * c.WIDTH], own[(radii + 1) * c.WIDTH]

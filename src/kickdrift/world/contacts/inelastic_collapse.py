@@ -7,7 +7,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import constraint, is_moved
 from kickdrift.world.contacts.impact_rows import BOUNCE, LISTED, ROW, SPEED, TIME, TIMES
 from kickdrift.world.contacts.impact_worklist import BOUNCING_CONTACT, IN_ROUND
-from kickdrift.world.layout import GROUP, NEXT_IMPACT
+from kickdrift.world.layout import GROUP, LAST_ROUND, NEXT_IMPACT
 from kickdrift.world.settings import BOUNCING_TIME
 from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING
 from kickdrift.world.tables import (
@@ -75,6 +75,9 @@ def join_touching(world: int, all_stop: bool) -> None:
             kicked[a, NEXT_IMPACT] = kicked[b, NEXT_IMPACT] = when
             _note_first(world, count)
             count += 1
+    for k in range(rows(world, BOUNCING)):  # the column notes rounds again, and this one is noted at its end
+        row = bouncing[k, BOUNCING_CONTACT]
+        kicked[contact[row, c.BODY_A], LAST_ROUND] = kicked[contact[row, c.BODY_B], LAST_ROUND] = -1.0
     set_rows(world, IMPACT, count)
 
 
