@@ -150,12 +150,11 @@ def test_a_relaxation_oscillator_jumps_in_halved_steps(monkeypatch):
     assert run(van_der_pol, [2.0, 0.0], 900.0, 1.0, "radau-5").status.name == "NOT_CONVERGED"
 
 
-@pytest.mark.parametrize("mu", [100.0, 1000.0])
 @pytest.mark.parametrize("method", [*RADAU, "auto"])
-def test_jumps_of_a_relaxation_oscillator_are_within_the_tolerance(method, mu):
+def test_jumps_of_a_relaxation_oscillator_are_within_the_tolerance(method):
     """A step that fails is rejected: halved by itself, it took the same substeps as its halves, whose error nothing showed."""
     problem = kd.FirstOrder(lambda y, params: np.array([y[1], params[0] * (1 - y[0] ** 2) * y[1] - y[0]]))
-    end, tolerance = 2.0 * mu, 1e-6
+    mu, end, tolerance = 1000.0, 2000.0, 1e-6
     exact = solve_ivp(
         lambda t, y: [y[1], mu * (1 - y[0] ** 2) * y[1] - y[0]],
         (0.0, end), [2.0, 0.0], method="Radau", rtol=1e-9, atol=1e-11,
