@@ -82,7 +82,7 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
 
 @compiled(fast=True)
 def solve_normals(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
-    """Do one sweep over the points: soft, and pushing overlapping ones apart, if `soft` is 1.0; rigid and without it if 0.0.
+    """Do one sweep over the points: soft, with a push of overlapping ones, if `soft` is 1.0; rigid, without the push, if 0.0.
 
     With the push, `bound` is the largest speed at which overlapping points separate, m/s. Without, it is the depth from which
     points begin to carry impulses, m, and bounds no speed.

@@ -75,7 +75,7 @@ def join_touching(world: int, all_stop: bool) -> None:
             kicked[a, NEXT_IMPACT] = kicked[b, NEXT_IMPACT] = when
             _note_first(world, count)
             count += 1
-    for k in range(rows(world, BOUNCING)):  # the column notes rounds again, and this one is noted at its end
+    for k in range(rows(world, BOUNCING)):  # the same column as GROUP; the end of this round notes it
         row = bouncing[k, BOUNCING_CONTACT]
         kicked[contact[row, c.BODY_A], LAST_ROUND] = kicked[contact[row, c.BODY_B], LAST_ROUND] = -1.0
     set_rows(world, IMPACT, count)
