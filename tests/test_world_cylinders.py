@@ -145,6 +145,65 @@ def test_deep_overlaps_are_as_deep_as_the_sets_are_and_touch_where_these_are(fir
     assert found > 8
 
 
+def highest(numbers, normals):
+    """Support function of a frustum along many directions."""
+    lower, upper, half = numbers
+    across = np.hypot(normals[:, 0], normals[:, 1])
+    return np.maximum(upper * across + half * normals[:, 2], lower * across - half * normals[:, 2])
+
+
+def widest_gap(a, b, pose, rng):
+    """Largest separation of two frusta over all directions: the best of many, improved by ever smaller random changes."""
+    turn, size, best = rotation_matrix(pose[3:]), 1.0, -np.inf
+    normals = rng.normal(size=(4000, 3))
+    for _ in range(60):
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        gaps = normals @ pose[:3] - highest(a, normals) - highest(b, -normals @ turn)
+        if gaps.max() > best:
+            best, found = gaps.max(), normals[gaps.argmax()]
+        else:
+            size *= 0.6
+        normals = found + size * rng.normal(size=(200, 3))
+    return best
+
+
+@pytest.mark.parametrize(("first", "second"), [(CYLINDER, CYLINDER), (CYLINDER, CONE), (CONE, CONE)])
+def test_one_point_is_on_both_frusta_where_no_direction_separates_them_more(first, second):
+    """Those that overlap by less than a tenth of their size, and do not lie on each other."""
+    rng, found = np.random.default_rng(first + second), 0
+    while found < 60:
+        (a, _, _), (b, _, _) = made(first, rng), made(second, rng)
+        q = rng.normal(size=4)
+        pose = np.concatenate((rng.normal(size=3) * 0.8, q / np.linalg.norm(q)))
+        gap = widest_gap(a, b, pose, rng)
+        if not -0.02 < gap < 0.1:
+            continue
+        manifold = np.zeros(64)
+        if count_contacts((first, second), a, b, pose, 0.2, manifold) != 1:
+            continue
+        turn, (x, y), normal = rotation_matrix(pose[3:]), manifold[8:14].reshape(2, 3), manifold[:3]
+        lies = [abs(normal[2]), abs(turn[:, 2] @ normal)]
+        if max(lies) > 0.97:  # within reach of an end, whose normal is preferred
+            continue
+        found_gap = normal @ (turn @ y + pose[:3] - x)
+        assert gap - 1e-8 < found_gap < gap + 1e-4
+        assert turn @ y + pose[:3] - x == pytest.approx(found_gap * normal, abs=1e-7)
+        for numbers, point in ((a, x), (b, y)):
+            normals = rng.normal(size=(200, 3))
+            assert (normals @ point <= highest(numbers, normals) + 1e-7 * np.linalg.norm(normals, axis=1)).all()
+        found += 1
+
+
+def test_cylinders_side_by_side_touch_at_their_sides_wherever_their_ends_are_level():
+    """Each rim is nearer to an end of the other than to its side."""
+    for tilt in (0.0, 1e-6, 1e-4, 1e-2):
+        pose = np.array([0.9995, 0.0, 1e-4, math.cos(tilt / 2), math.sin(tilt / 2), 0.0, 0.0])
+        manifold = np.zeros(64)
+        count = count_contacts((CYLINDER, CYLINDER), np.full(3, 0.5), np.full(3, 0.5), pose, 0.02, manifold)
+        assert count == 2
+        assert manifold[:3] == pytest.approx((1.0, 0.0, 0.0), abs=2e-3)
+
+
 @pytest.mark.parametrize("kind", ROUND)
 def test_a_triangle_is_touched_as_the_box_under_it(kind):
     rng = np.random.default_rng(kind)

@@ -16,7 +16,7 @@ LOWER, UPPER, BETWEEN = 0, 1, 2  # features of a capsule: the end at -z, the end
 
 STEEP = 0.2  # sine of the angle between capsule and face above which it does not lie on the face
 FLAT = 0.98  # cosine of the angle between contact normal and face normal above which the contact is one with the face
-_PARALLEL = 0.95  # cosine of the angle between a capsule and an edge above which it may lie along the edge
+NEARLY_PARALLEL = 0.95  # cosine of the angle between a capsule and an edge above which it may lie along the edge
 ASTRAY = 0.1  # radii: sideways distance up to which a capsule lies along an edge
 SHORT = 0.1  # radii: length of a range below which it is one point
 CROSSED = 1e-8  # of the size of the shapes: the direction between closer points is rounding
@@ -61,7 +61,7 @@ def beside(
         would hold them apart where they do not touch.
     """
     cosine = dot(u, v)
-    if abs(cosine) < _PARALLEL or abs(dot(normal, u)) > STEEP or abs(dot(normal, v)) > STEEP:
+    if abs(cosine) < NEARLY_PARALLEL or abs(dot(normal, u)) > STEEP or abs(dot(normal, v)) > STEEP:
         return t, t
     middle, extent = dot(offset, v) / cosine, other / abs(cosine)
     sideways = reach / abs(dot(u, cross(normal, v)))

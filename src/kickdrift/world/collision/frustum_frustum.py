@@ -1,4 +1,7 @@
-"""Contact of two cylinders or cones: one is approximated by a polyhedron with a corner at the contact."""
+"""Contact of two cylinders or cones: at one point, unless ends or sides lie on each other.
+
+Those have the contact points of a polyhedron, which approximates one of the two and has a corner where they touch.
+"""
 
 import math
 from typing import Any
@@ -8,21 +11,30 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, dot, length, times
-from kickdrift.world.collision.epa import DEEP, is_off, overlap_of_frusta, put_overlap
+from kickdrift.core.vectors import Vector, dot, length, minus, times
+from kickdrift.world.collision.capsule_manifold import NEARLY_PARALLEL, STEEP
+from kickdrift.world.collision.epa import DEEP, overlap_of_frusta, put_overlap
 from kickdrift.world.collision.face_bias import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
 from kickdrift.world.collision.frustum_polyhedra import polyhedron_frustum
-from kickdrift.world.collision.frustum_round import FLAT_ON, lowest_direction
+from kickdrift.world.collision.frustum_round import FLAT_ON, line_of, lowest_direction
+from kickdrift.world.collision.frustum_separation import gap_along, separation
 from kickdrift.world.collision.manifold_points import put_normal, put_point
-from kickdrift.world.collision.shape_frames import directed, set_frame, set_frame_back
+from kickdrift.world.collision.shape_frames import (
+    directed,
+    directed_back,
+    placed,
+    placed_back,
+    set_frame,
+    set_frame_back,
+)
 from kickdrift.world.contacts.layout import FEATURE, LEFT_OUT, NORMAL, ON_A, ON_B, POINT, POINT_SIZE, REACHABLE
-from kickdrift.world.shapes.frustum import Frustum, frustum_of, highest, radial, signed_distance
+from kickdrift.world.shapes.closest_points import along, segments
+from kickdrift.world.shapes.frustum import Frustum, farthest, frustum_of, radial
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
 from kickdrift.world.tables import MANIFOLD
 
-_ROUNDS = 7  # bisections, which leave 0.1 degrees: two millionths of a radius
-_SAME = 1e-6  # rad: tolerance of the angle of the contact about the axis
+_LEVEL = 1e-7  # sine of the angle to an end or to the line between both rims below which these touch, not one point
 _LOWER, _UPPER = tuple(range(SIDES)), tuple(range(SIDES, 2 * SIDES))
 _STEPS = tuple((k, (k + 1) % SIDES) for k in range(SIDES))
 
@@ -43,7 +55,7 @@ _PYRAMID = polyhedron_numbers(
 
 _SIZE = len(_PRISM)
 _MANIFOLD = MANIFOLD.width
-_OTHER_WAY = 1 << 24  # added to features if the second frustum is the polyhedron
+_ONE, _OTHER_WAY = 1 << 22, 1 << 24  # added to features of a single point, and if the second frustum is the polyhedron
 
 
 @compiled
@@ -54,18 +66,25 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
     set_frame(frame, pose)
     set_frame_back(back, pose)
     size = length((pose[0], pose[1], pose[2]))
-    if size > 0.0 and _gap(f, g, back, (pose[0] / size, pose[1] / size, pose[2] / size)) > margin:
+    if size > 0.0 and gap_along(f, g, frame, (pose[0] / size, pose[1] / size, pose[2] / size)) > margin:
         return 0
-    count = _touching(f, g, frame, back, margin, manifold)
-    if count == 0:
+    normal, gap = separation(f, g, frame, back, margin)
+    if gap > margin:
         return 0
-    gap, tolerance = _gap(f, g, back, _normal(manifold)), tolerance_of(margin, min(_thickness(f), _thickness(g)))
-    misses = count == 1 and (is_off(f, manifold, ON_A, tolerance) or is_off(g, manifold, ON_B, tolerance))
-    if gap < -DEEP * tolerance or (misses and gap < 0.0):
-        depth, normal, x = overlap_of_frusta(f, back, g)
-        if depth > 0.0 and (misses or -depth > gap + SHARE_OFF * abs(gap) + tolerance):
-            return put_overlap(depth, normal, x, back, manifold)
-    return count
+    tolerance = tolerance_of(margin, min(_thickness(f), _thickness(g)))
+    off = SHARE_OFF * abs(gap) + tolerance
+    if gap < -DEEP * tolerance:
+        depth, way, x = overlap_of_frusta(f, back, g)
+        if depth > 0.0 and -depth > gap + off:
+            return put_overlap(depth, way, x, back, manifold)
+    if _may_lie(f, g, frame, normal):
+        count = _as_polyhedron(f, g, back, normal, margin, manifold)
+        if count > 0 and gap_along(f, g, frame, _normal(manifold)) > gap - off:
+            return count
+        count = _as_other_polyhedron(f, g, frame, normal, margin, manifold)
+        if count > 0 and gap_along(f, g, frame, _normal(manifold)) > gap - off:
+            return count
+    return _put_one(f, g, frame, normal, gap, manifold)
 
 
 @compiled(inline=True)
@@ -73,27 +92,86 @@ def _thickness(f: Frustum) -> float:
     return min(f[2], max(f[0], f[1]))
 
 
-@compiled
-def _touching(f: Frustum, g: Frustum, frame: Any, back: Any, margin: float, manifold: Any) -> int:
-    """Find the contact points by the features that touch.
+@compiled(inline=True)
+def _normal(manifold: Any) -> Vector:
+    return (manifold[NORMAL], manifold[NORMAL + 1], manifold[NORMAL + 2])
 
-    The first is approximated by a polyhedron. If they overlap at a rim of the second, the direction of smallest penetration may
-    be a normal of the first: then, and where the point is not on the second, the second is approximated as well, and the better
-    of both contacts is used.
+
+@compiled
+def _may_lie(f: Frustum, g: Frustum, frame: Any, normal: Vector) -> bool:
+    """Whether an end or a side of one may lie on an end of the other, or both sides along each other."""
+    n = directed_back(frame, times(-1.0, normal))
+    (_, along_f, _), (_, along_g, _) = line_of(f, normal), line_of(g, n)
+    end_f, end_g = _faces(f, normal), _faces(g, n)
+    side_f, side_g = abs(dot(normal, along_f)) < STEEP, abs(dot(n, along_g)) < STEEP
+    if end_f or end_g:
+        return (end_f or side_f) and (end_g or side_g)
+    return side_f and side_g and abs(dot(along_f, directed(frame, along_g))) > NEARLY_PARALLEL
+
+
+@compiled(inline=True)
+def _faces(f: Frustum, normal: Vector) -> bool:
+    """Whether an end of a frustum is nearly perpendicular to a direction."""
+    faces: bool = radial(normal[0], normal[1])[0] < STEEP and f[1 if normal[2] > 0.0 else 0] > 0.0
+    return faces
+
+
+@compiled
+def _put_one(f: Frustum, g: Frustum, frame: Any, normal: Vector, gap: float, manifold: Any) -> int:
+    """Write the one contact point along a normal: of a rim, or where the lines of two sides cross; return 1."""
+    n = directed_back(frame, times(-1.0, normal))
+    x, y = farthest(f, normal), placed(frame, farthest(g, n))
+    feature = 0
+    if _has_one(f, normal):
+        y = along(x, gap, normal)
+        feature = 1 + (x[2] > 0.0)
+    elif _has_one(g, n):
+        x = along(y, -gap, normal)
+        feature = 3 + (n[2] > 0.0)
+    else:
+        middle, way, half = line_of(f, normal)
+        other, turned_way, reach = line_of(g, n)
+        s, t = segments(
+            minus(placed(frame, other), middle), times(half, way), times(reach, directed(frame, turned_way))
+        )
+        x, y = along(middle, s * half, way), placed(frame, along(other, t * reach, turned_way))
+    put_normal(manifold, normal)
+    put_point(manifold, 0, x, placed_back(frame, y), _ONE + feature)
+    return 1
+
+
+@compiled(inline=True)
+def _has_one(f: Frustum, normal: Vector) -> bool:
+    """Whether one point of a frustum is highest along a direction, and not an end or the line between its rims."""
+    sine = radial(normal[0], normal[1])[0]
+    rise = abs((f[1] - f[0]) * sine + 2.0 * f[2] * normal[2])
+    one: bool = rise > _LEVEL * max(f[0], f[1], f[2]) and (sine > _LEVEL or f[1 if normal[2] > 0.0 else 0] == 0.0)
+    return one
+
+
+@compiled
+def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, normal: Vector, margin: float, manifold: Any) -> int:
+    """Find the contact points of two frusta, the first approximated by a polyhedron with corners towards the other one.
+
+    Its frame is that in the second's, and the normal that in its own.
     """
-    count = _as_polyhedron(f, g, back, margin, manifold)
-    if count > 1 or (count == 1 and not _is_doubtful(g, manifold, _gap(f, g, back, _normal(manifold)))):
-        return count
+    body = floats_on_stack(_SIZE)
+    sine, x, y = lowest_direction(normal, FLAT_ON)
+    _set_frustum(body, f, x, y)
+    # on flat ends the corners stay where they are in the body, near or not
+    near = SIDES if sine >= FLAT_ON else 0
+    return polyhedron_frustum(body, 2 if f[1] > 0.0 else 1, near, g, frame, margin, manifold)
+
+
+@compiled
+def _as_other_polyhedron(f: Frustum, g: Frustum, frame: Any, normal: Vector, margin: float, manifold: Any) -> int:
+    """Find the same with the second approximated; `frame` is that of the second in the first's."""
     other = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
     other[REACHABLE], other[LEFT_OUT] = manifold[REACHABLE], math.inf
-    found = _as_polyhedron(g, f, frame, margin, other)
+    found = _as_polyhedron(g, f, frame, directed_back(frame, times(-1.0, normal)), margin, other)
     if found == 0:
-        return count
-    normal = times(-1.0, directed(frame, _normal(other)))
-    best = _gap(f, g, back, _normal(manifold))
-    if count > 0 and _gap(f, g, back, normal) <= best + SHARE_OFF * abs(best):
-        return count
-    put_normal(manifold, normal)
+        return 0
+    put_normal(manifold, times(-1.0, directed(frame, _normal(other))))
     manifold[LEFT_OUT] = other[LEFT_OUT]
     for k in range(found):
         p = POINT + POINT_SIZE * k
@@ -101,67 +179,6 @@ def _touching(f: Frustum, g: Frustum, frame: Any, back: Any, margin: float, mani
         on_a = (other[p + ON_B], other[p + ON_B + 1], other[p + ON_B + 2])
         put_point(manifold, k, on_a, on_b, int(other[p + FEATURE]) + _OTHER_WAY)
     return found
-
-
-@compiled(inline=True)
-def _normal(manifold: Any) -> Vector:
-    return (manifold[NORMAL], manifold[NORMAL + 1], manifold[NORMAL + 2])
-
-
-@compiled(inline=True)
-def _is_doubtful(g: Frustum, manifold: Any, gap: float) -> bool:
-    """Whether the first contact point is not on the second frustum, or is about as close to a rim as the overlap is deep.
-
-    A rim or an apex of the second may be beside the corner of the first by more than they overlap, as bisection leaves it.
-    """
-    p, slack = POINT + ON_B, 1e-3 * max(g[0], g[1], g[2])
-    z = manifold[p + 2]
-    off, _ = signed_distance(g, (manifold[p], manifold[p + 1], z))
-    if off > slack or gap > 0.0:
-        return off > slack
-    away = abs((g[1] if z > 0.0 else g[0]) - math.sqrt(manifold[p] ** 2 + manifold[p + 1] ** 2))
-    near: bool = max(away, g[2] - abs(z)) < 4.0 * abs(gap) + slack
-    return near
-
-
-@compiled(inline=True)
-def _gap(f: Frustum, g: Frustum, back: Any, normal: Vector) -> float:
-    """Return the separation of two frusta along a direction in the first's frame; `back` is this frame in the second's."""
-    n = directed(back, normal)
-    return dot(n, (-back[9], -back[10], -back[11])) - highest(f, normal) - highest(g, times(-1.0, n))
-
-
-@compiled
-def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, margin: float, manifold: Any) -> int:
-    """Find the contact points of two frusta, the first approximated by a polyhedron; `frame` is its frame in the second's."""
-    body = floats_on_stack(_SIZE)
-    flat = 2 if f[1] > 0.0 else 1
-    wide = margin + (1.0 - math.cos(math.pi / SIDES)) * max(f[0], f[1])
-    _, x, y = radial(
-        frame[0] * -frame[9] + frame[3] * -frame[10] + frame[6] * -frame[11],
-        frame[1] * -frame[9] + frame[4] * -frame[10] + frame[7] * -frame[11],
-    )
-    angle, step, near = math.atan2(y, x), 2.0 * math.pi / SIDES, SIDES
-    for turn in range(_ROUNDS):
-        x, y = math.cos(angle), math.sin(angle)
-        _set_frustum(body, f, x, y)
-        if polyhedron_frustum(body, flat + SIDES, -1, g, frame, wide, manifold) == 0:
-            return 0
-        # The normal at a point of a round surface is in the half-plane of the axis and that point. The contact normal of the
-        # polygon tells on which side of the present corner the true contact is, and its angle is found by bisection.
-        sine, u, v = lowest_direction(_normal(manifold), FLAT_ON)
-        off = math.atan2(x * v - y * u, x * u + y * v)
-        near = SIDES if sine >= FLAT_ON else 0  # on flat ends the corners stay where they are in the body, near or not
-        if turn == 0 or sine < FLAT_ON:
-            angle += off
-        else:
-            step *= 0.5
-            angle += max(-step, min(off, step))
-        if turn > 0 and (abs(off) < _SAME or sine < FLAT_ON):
-            break
-    x, y = math.cos(angle), math.sin(angle)
-    _set_frustum(body, f, x, y)
-    return polyhedron_frustum(body, flat, near, g, frame, margin, manifold)
 
 
 @compiled

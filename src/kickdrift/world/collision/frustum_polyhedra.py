@@ -67,7 +67,7 @@ def polyhedron_frustum(body: Any, faces: int, near: int, f: Frustum, frame: Any,
         Number of its faces that count, the first ones: the others approximate a curved surface.
     near : int
         0 for an exact polyhedron. If it approximates a frustum, the number of corners of each end, of which only edges between
-        the last and the second corner are considered; or -1 if the normal need not be the best one.
+        the last and the second corner are considered.
     f : (3,) tuple
         The frustum.
     frame : pointer to floats
@@ -169,7 +169,7 @@ def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -
         The edge, or `_NONE`; the deepest point as a fraction of it; the normal of the frustum there; the separation, m.
     """
     number, share, normal, best, nearest = _edge_among(f, body, seen, near, margin)
-    if nearest <= 0.0 and near >= 0:
+    if nearest <= 0.0:
         number, share, normal, best, _ = _edge_among(f, body, seen, near, np.inf)
     return number, share, normal, best
 
