@@ -36,7 +36,7 @@ from kickdrift.world.layout import (
 from kickdrift.world.shapes.record import SOLID, SURFACE
 from kickdrift.world.shapes.shape_kinds import KINDS, met_as
 from kickdrift.world.shapes.triangle import triangles_of
-from kickdrift.world.step.status import OK, STATUS
+from kickdrift.world.step.status import EXPECTED_HALVINGS, MOST_HALVINGS, OK, STATUS
 from kickdrift.world.table_checks import FileTables
 from kickdrift.world.tuning import MOST_SUBSTEPS
 
@@ -168,6 +168,7 @@ def _check_settings(rows: FileTables) -> None:
     rows.count("SETTINGS", 1)
     rows.count("STEP_STATUS", 1)
     rows.within("STEP_STATUS", STATUS, OK, OK)
+    rows.within("STEP_STATUS", EXPECTED_HALVINGS, 0, MOST_HALVINGS)
     rows.holds("SETTINGS", 0, np.isfinite(rows["SETTINGS"][:, :_SETTINGS]))
     rows.within("SETTINGS", s.SUBSTEPS, 1, MOST_SUBSTEPS)
     rows.holds("SETTINGS", s.SUBSTEPS, rows["SETTINGS"][0, s.SUBSTEPS] % 1.0 == 0.0)

@@ -186,9 +186,9 @@ def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float) -> V
         if high - low < _SAME:
             break
     share = rise / (rise - fall)
-    n = plus(times(share, n_low), times(1.0 - share, n_high))
-    size = length(n)
-    return times(1.0 / size, n) if size > CROSSED else n_low
+    mean: Vector = plus(times(share, n_low), times(1.0 - share, n_high))
+    size = length(mean)
+    return times(1.0 / size, mean) if size > CROSSED else n_low
 
 
 _at_rim: Any = compiled(specialise(_minimise, "_at_rim", in_direction=_depth_of_rim))

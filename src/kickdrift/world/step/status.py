@@ -20,6 +20,7 @@ SAID = column(STEP_STATUS)  # those of them that were issued
 MIDWAY = column(STEP_STATUS)  # 1 while a step is in progress
 REPEATED = column(STEP_STATUS)  # 1 if it is repeated because the sweeps had left a heap far from solved
 HALVINGS = column(STEP_STATUS)  # how often the step was halved: the present part is that over 2 to this power
+EXPECTED_HALVINGS = column(STEP_STATUS)  # how often the next step is halved before it is tried
 STARTED_WARNING = column(STEP_STATUS)  # WARNING at the beginning of the step or part
 BOUNCING_BODY = column(STEP_STATUS)  # row of a body whose impacts had no end, for the warning
 

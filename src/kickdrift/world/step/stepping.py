@@ -91,7 +91,7 @@ class DoesSteps:
                     until = min(until, done + recorder.steps_to_row)
                 began = time.perf_counter()
                 try:
-                    if halved:
+                    if halved or status[step_status.EXPECTED_HALVINGS] > 0:
                         at = self._do_parts(t0, first + done, step)
                         program = self._ready(step)  # a part may have asked for stages
                         reached, halved = first + done + 1, False
