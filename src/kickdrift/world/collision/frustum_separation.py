@@ -176,7 +176,8 @@ def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float) -> V
         size = math.sqrt(a * a + b * b)
         _, slope, n = in_direction(f, g, frame, across, up, a / size, b / size)
         if slope == 0.0:
-            return n
+            n_low = n_high = n
+            break
         if slope < 0.0:
             low, n_low, fall, below = t, n, slope, slope
             above *= 0.5
@@ -186,9 +187,10 @@ def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float) -> V
         if high - low < _SAME:
             break
     share = rise / (rise - fall)
-    mean: Vector = plus(times(share, n_low), times(1.0 - share, n_high))
+    mean = plus(times(share, n_low), times(1.0 - share, n_high))
     size = length(mean)
-    return times(1.0 / size, mean) if size > CROSSED else n_low
+    best: Vector = times(1.0 / size, mean) if size > CROSSED else n_low
+    return best
 
 
 _at_rim: Any = compiled(specialise(_minimise, "_at_rim", in_direction=_depth_of_rim))

@@ -41,6 +41,9 @@ BEGIN_AGAIN = 6  # the step now knows data that it needed at its start: roll it 
 DO_IN_PARTS = 7  # the step is too long for its impacts or rotations: roll it back, and halve it
 
 MOST_HALVINGS = 10  # of a step
+# In EXPECTED_HALVINGS while a step is halved for a linkage: five of 600 that are thrown at walls gain more than a hundredth of
+# their energy if the steps after that are halved, too, and one does if these begin whole.
+NONE_EXPECTED = -1
 
 _REQUEST = [STATUS, TABLE, ROWS_WANTED, LOST_BODY]
 

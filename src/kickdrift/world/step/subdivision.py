@@ -15,7 +15,7 @@ from kickdrift.core.errors import KickdriftError
 from kickdrift.world.joints.layout import TOTAL
 from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.snapshot import kept, put_back
-from kickdrift.world.step.status import EXPECTED_HALVINGS, HALVINGS, MIDWAY
+from kickdrift.world.step.status import EXPECTED_HALVINGS, HALVINGS, MIDWAY, NONE_EXPECTED
 from kickdrift.world.tables import JOINT_NUMBERS, LOAD, SETTINGS, STEP_STATUS, Tables
 
 # 250 hulls of 2 cm that tumble onto each other need 32 parts: 70 of the 350 ms of a step that tried the whole first. With 1, a
@@ -49,7 +49,9 @@ def do_parts(do_part: Callable[[int, int], bool], tables: Tables) -> None:
                 part, parts = 2 * part, 2 * parts
                 shortest = parts
         forces[:], settings[RESIDUAL] = mean, residual
-        tables.row(STEP_STATUS, 0)[EXPECTED_HALVINGS] = max(shortest.bit_length() - 1 - _FEWER, 0)
+        status = tables.row(STEP_STATUS, 0)
+        halvings = 0 if status[EXPECTED_HALVINGS] == NONE_EXPECTED else shortest.bit_length() - 1
+        status[EXPECTED_HALVINGS] = max(halvings - _FEWER, 0)
     except BaseException as error:
         put_back(tables, before)
         if isinstance(error, KickdriftError):
