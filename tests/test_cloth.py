@@ -8,8 +8,8 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
 import kickdrift as kd
-from kickdrift.world.cloth import bending, membrane
-from kickdrift.world.cloth.curvature import curvature_of
+from kickdrift.world.cloth.forces import bending, membrane
+from kickdrift.world.cloth.forces.curvature import curvature_of
 from kickdrift.world.cloth.layout import FORCES, FORCES_APART, LANE_FIELDS
 from kickdrift.world.cloth.mesh import cloth_mesh, flattened, grid
 from kickdrift.world.cloth.particle_fields import fill_lanes

@@ -7,8 +7,9 @@ from vector_instructions import needs_wide_vectors, packed
 
 import kickdrift as kd
 from kickdrift.world import tables
-from kickdrift.world.cloth import bending, layout, membrane
+from kickdrift.world.cloth import layout
 from kickdrift.world.cloth.face_groups import face_groups
+from kickdrift.world.cloth.forces import bending, membrane
 from kickdrift.world.cloth.mesh import grid
 from kickdrift.world.cloth.particle_fields import fill_lanes
 

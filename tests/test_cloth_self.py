@@ -9,9 +9,9 @@ from random_sheets import crossed, crossings, random_sheet
 import kickdrift as kd
 from kickdrift.world import tables
 from kickdrift.world.cloth import layout
-from kickdrift.world.cloth.face_tree import face_tree, stars
+from kickdrift.world.cloth.collision.face_tree import face_tree, stars
+from kickdrift.world.cloth.collision.proximity import EDGE_EDGE, VERTEX_FACE, nearest
 from kickdrift.world.cloth.mesh import cloth_mesh, grid
-from kickdrift.world.cloth.proximity import EDGE_EDGE, VERTEX_FACE, nearest
 from kickdrift.world.collision.bvh import BRANCH
 
 STEP = 1 / 60

@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     from kickdrift.scale.ensemble import solve_ensemble
     from kickdrift.systems.symbolic import from_lagrangian, from_sympy
     from kickdrift.world.bodies.part import Part
-    from kickdrift.world.gusts import gusts
+    from kickdrift.world.cloth.gusts import gusts
     from kickdrift.world.joints.axis_options import Axis, Drive, Motor
     from kickdrift.world.shapes.box import Box
     from kickdrift.world.shapes.capsule import Capsule
@@ -156,7 +156,7 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 _LATER = {
     **dict.fromkeys(("from_lagrangian", "from_sympy"), "kickdrift.systems.symbolic"),
     "World": "kickdrift.world.world",
-    "gusts": "kickdrift.world.gusts",
+    "gusts": "kickdrift.world.cloth.gusts",
     "Part": "kickdrift.world.bodies.part",
     **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis_options"),
     **{

@@ -119,11 +119,11 @@ STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)
 CLOTH_PAIR, CLOTH_PAIR_NUMBERS = Table(86, 8, whole=True), Table(87, 14)  # vertex and triangle, or edges
-CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.face_tree`
+CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.collision.face_tree`
 NORMAL_TREE = Table(95, 8)  # likewise, over their normals
 CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 4, whole=True), Table(103, 2, whole=True)  # nodes
 FACE_BOUNDS, FACE_NORMALS, FACE_STARS = Table(90, 8), Table(91, 8), Table(108, 3, whole=True)
-# of each particle: see `kickdrift.world.cloth.impact_zones`
+# of each particle: see `kickdrift.world.cloth.collision.impact_zones`
 ZONE, ZONE_NUMBERS = Table(92, 4, whole=True), Table(93, 16)
 CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from kickdrift.scenes.worlds.humanoids import PELVIS, add_person
+from kickdrift.world.cloth.gusts import gusts
 from kickdrift.world.cloth.mesh import grid
-from kickdrift.world.gusts import gusts
 from kickdrift.world.joints.axis_options import Drive
 from kickdrift.world.world import World
 

@@ -10,8 +10,8 @@ from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.argument_checks import direction, unit_quaternion, vector
 from kickdrift.world.cloth.adding_deformables import AddsDeformables
 from kickdrift.world.cloth.building import built_cloth
+from kickdrift.world.cloth.cloth_handle import Cloth
 from kickdrift.world.cloth.fabric import Fabric
-from kickdrift.world.cloth.handle import Cloth
 from kickdrift.world.cloth.material import material_of
 from kickdrift.world.cloth.mesh import MOST_VERTICES, cloth_mesh, grid
 from kickdrift.world.shapes.mass_properties import rotation_matrix

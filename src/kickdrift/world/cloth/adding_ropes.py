@@ -8,7 +8,7 @@ from kickdrift.core.signatures import shows_parameters_of
 from kickdrift.world.cloth.adding_deformables import AddsDeformables
 from kickdrift.world.cloth.building import built_rope
 from kickdrift.world.cloth.material import material_of
-from kickdrift.world.cloth.rope import Rope
+from kickdrift.world.cloth.rope_handle import Rope
 from kickdrift.world.cloth.rope_material import RopeMaterial
 from kickdrift.world.cloth.rope_mesh import rope_mesh
 

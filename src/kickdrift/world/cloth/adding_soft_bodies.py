@@ -12,7 +12,7 @@ from kickdrift.world.cloth.adding_deformables import AddsDeformables
 from kickdrift.world.cloth.building import built_soft_body
 from kickdrift.world.cloth.material import material_of
 from kickdrift.world.cloth.mesh import MOST_VERTICES
-from kickdrift.world.cloth.soft_body import SoftBody
+from kickdrift.world.cloth.soft_body_handle import SoftBody
 from kickdrift.world.cloth.soft_material import SoftMaterial
 from kickdrift.world.cloth.tetrahedra import box_mesh, tetrahedral_mesh
 from kickdrift.world.shapes.mass_properties import rotation_matrix

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.fabric import Fabric
-from kickdrift.world.cloth.highest_frequency import elastic_rate
-from kickdrift.world.cloth.membrane import inverse_edges
+from kickdrift.world.cloth.forces.highest_frequency import elastic_rate
+from kickdrift.world.cloth.forces.membrane import inverse_edges
 from kickdrift.world.cloth.mesh import ClothMesh, flattened, masses_of
 from kickdrift.world.cloth.rope_material import RopeMaterial
 from kickdrift.world.cloth.rope_mesh import lengths_of, rope_masses, stretch_rate

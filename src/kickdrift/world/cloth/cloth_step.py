@@ -13,12 +13,16 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
-from kickdrift.world.cloth.aerodynamics import add_wind
-from kickdrift.world.cloth.bending import add_bending
-from kickdrift.world.cloth.cloth_pairs import find_cloth_pairs, meets
-from kickdrift.world.cloth.contact_solver import resolve_contacts
-from kickdrift.world.cloth.continuous_collision import stop_crossings
-from kickdrift.world.cloth.elasticity import add_elasticity, stiffening
+from kickdrift.world.cloth.collision.cloth_pairs import find_cloth_pairs, meets
+from kickdrift.world.cloth.collision.continuous_collision import stop_crossings
+from kickdrift.world.cloth.collision.pair_impulses import begin_interval, hold_pairs, resolve_pairs
+from kickdrift.world.cloth.collision.swept_bounds import find_strays, set_frame, travels
+from kickdrift.world.cloth.contacts.contact_solver import resolve_contacts
+from kickdrift.world.cloth.forces.aerodynamics import add_wind
+from kickdrift.world.cloth.forces.bending import add_bending
+from kickdrift.world.cloth.forces.elasticity import add_elasticity, stiffening
+from kickdrift.world.cloth.forces.membrane import add_membrane, largest_strain
+from kickdrift.world.cloth.forces.rope_tension import add_tension
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     DIMENSION,
@@ -38,12 +42,8 @@ from kickdrift.world.cloth.layout import (
     TURN,
     VOLUME,
 )
-from kickdrift.world.cloth.membrane import add_membrane, largest_strain
-from kickdrift.world.cloth.pair_impulses import begin_interval, hold_pairs, resolve_pairs
 from kickdrift.world.cloth.particle_fields import drift_particles, fill_lanes, kick_by_forces
 from kickdrift.world.cloth.pins import carry_pins, pull_bodies
-from kickdrift.world.cloth.rope_tension import add_tension
-from kickdrift.world.cloth.swept_bounds import find_strays, set_frame, travels
 from kickdrift.world.columns import vector_at
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.step.status import report_cloth

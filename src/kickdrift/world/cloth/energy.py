@@ -94,7 +94,7 @@ def _tension(tables: Tables, x: Floats) -> float:
 
 
 def _elastic(tables: Tables, x: Floats) -> float:
-    """Return the energy of soft bodies, J; see `kickdrift.world.cloth.elasticity`."""
+    """Return the energy of soft bodies, J; see `kickdrift.world.cloth.forces.elasticity`."""
     own, rest = tables.array(CLOTH), tables.array(TETRAHEDRON_NUMBERS)
     of = np.repeat(tables.array(CLOTH_NUMBERS), own[:, c.LAST_TETRAHEDRON] - own[:, c.FIRST_TETRAHEDRON], axis=0)
     corners = x[tables.array(TETRAHEDRON)[:, c.TETRAHEDRON_CORNERS : c.TETRAHEDRON_CORNERS + 4]]

@@ -157,13 +157,15 @@ IN_LANES = column(
 # The other end of a segment that touches, the other corners of a triangle; otherwise the particle itself
 OTHER_PARTICLE = column(CLOTH_CONTACT)
 THIRD_PARTICLE = column(CLOTH_CONTACT)
-HELD_BY = column(CLOTH_CONTACT, 3)  # the pins of the corners to bodies: see `kickdrift.world.cloth.pinned_corners`
+HELD_BY = column(
+    CLOTH_CONTACT, 3
+)  # the pins of the corners to bodies: see `kickdrift.world.cloth.contacts.pinned_corners`
 CARRIED_BY = column(CLOTH_CONTACT, 3)  # rows of the contacts that carry the corners, or NOTHING
 ON_LOAD_PATH = column(
     CLOTH_CONTACT
-)  # 1 if it carries another contact, or is carried: see `kickdrift.world.cloth.load_path`
+)  # 1 if it carries another contact, or is carried: see `kickdrift.world.cloth.contacts.load_path`
 
-# CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contact_lanes` reads the first eight columns
+# CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contacts.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
 CLOTH_OFFSET = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # the normal times the position at which the point touches
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)

@@ -4,7 +4,7 @@ import numpy as np
 
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.building import Built
-from kickdrift.world.cloth.face_tree import owned
+from kickdrift.world.cloth.collision.face_tree import owned
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh
 from kickdrift.world.cloth.rope_mesh import segments
 from kickdrift.world.cloth.row_ranges import replace_rows, rows_of

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from kickdrift.world import tables as t
 from kickdrift.world.cloth import layout as c
+from kickdrift.world.cloth.collision.face_tree import face_tree, stars
 from kickdrift.world.cloth.face_groups import face_groups
-from kickdrift.world.cloth.face_tree import face_tree, stars
 from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.collision.bvh import ITEM, SKIP
 

@@ -7,7 +7,8 @@ conserved.
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
-from kickdrift.world.cloth.body_impulses import move_on
+from kickdrift.world.cloth.contacts.body_impulses import move_on
+from kickdrift.world.cloth.contacts.pinned_corners import arm_of_pin
 from kickdrift.world.cloth.layout import (
     FIRST_PIN,
     LAST_PIN,
@@ -17,7 +18,6 @@ from kickdrift.world.cloth.layout import (
     PINNED_PARTICLE,
 )
 from kickdrift.world.cloth.particle_fields import force_on
-from kickdrift.world.cloth.pinned_corners import arm_of_pin
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, POSITION, VELOCITY
 from kickdrift.world.tables import CLOTH, INVERSE_MASS, MOTION, PARTICLE, PIN, POSE, floats, integers

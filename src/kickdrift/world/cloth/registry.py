@@ -13,17 +13,17 @@ from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.building import Built
-from kickdrift.world.cloth.coupling_rows import put_couplings
+from kickdrift.world.cloth.cloth_handle import Cloth
 from kickdrift.world.cloth.deformable import Deformable
-from kickdrift.world.cloth.handle import Cloth
-from kickdrift.world.cloth.highest_frequency import put_membrane_rate
+from kickdrift.world.cloth.forces.coupling_rows import put_couplings
+from kickdrift.world.cloth.forces.highest_frequency import put_membrane_rate
 from kickdrift.world.cloth.mesh import ClothMesh
 from kickdrift.world.cloth.mesh_tables import mesh_in, put_mesh
 from kickdrift.world.cloth.particle_tables import arrange
 from kickdrift.world.cloth.pin_rows import add_pins, remove_pins
-from kickdrift.world.cloth.rope import Rope
+from kickdrift.world.cloth.rope_handle import Rope
 from kickdrift.world.cloth.row_ranges import add_range, remove_range, rows_of
-from kickdrift.world.cloth.soft_body import SoftBody
+from kickdrift.world.cloth.soft_body_handle import SoftBody
 from kickdrift.world.cloth.splitting import Split, cut_by_plane, put_split
 from kickdrift.world.cloth.substep_choice import WORDS, is_far_softer, softness, tune
 from kickdrift.world.cloth.tearing import find_tears

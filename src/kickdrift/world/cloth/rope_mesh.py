@@ -3,16 +3,16 @@
 A segment is a triangle whose second and third corners coincide: the search for pairs of vertices and triangles, and of edges,
 also finds those of ropes. The curvature at an inner vertex is the difference of the tangents of both segments over the length
 l that belongs to the vertex, half of each. It is a linear function H x of the positions x, as each tangent is an edge over
-its length at rest, and the energy of bending is E I l |H x|^2 / 2, as that of cloth (`kickdrift.world.cloth.bending`): a turn
-by theta counts as 2 sin(theta / 2).
+its length at rest, and the energy of bending is E I l |H x|^2 / 2, as that of cloth (`kickdrift.world.cloth.forces.bending`): a
+turn by theta counts as 2 sin(theta / 2).
 """
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.cloth.couplings import Bending
-from kickdrift.world.cloth.highest_frequency import highest
+from kickdrift.world.cloth.forces.couplings import Bending
+from kickdrift.world.cloth.forces.highest_frequency import highest
 from kickdrift.world.cloth.mesh import NONE, ClothMesh, vertices_of
 
 Floats = NDArray[np.float64]

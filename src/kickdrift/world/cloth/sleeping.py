@@ -2,8 +2,8 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
-from kickdrift.world.cloth.body_contacts import find_contacts
-from kickdrift.world.cloth.contact_rows import gap_of
+from kickdrift.world.cloth.contacts.body_contacts import find_contacts
+from kickdrift.world.cloth.contacts.contact_rows import gap_of
 from kickdrift.world.cloth.layout import (
     CLOTH_RADIUS,
     IS_ASLEEP,

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world.cloth import layout as c
-from kickdrift.world.cloth.coupling_rows import put_couplings
-from kickdrift.world.cloth.highest_frequency import put_membrane_rate
+from kickdrift.world.cloth.forces.coupling_rows import put_couplings
+from kickdrift.world.cloth.forces.highest_frequency import put_membrane_rate
 from kickdrift.world.cloth.mesh import ClothMesh, cloth_mesh, masses_of
 from kickdrift.world.cloth.mesh_tables import mesh_in, put_triangles
 from kickdrift.world.cloth.pin_rows import copy_pins

@@ -138,3 +138,10 @@ def _place(world: int) -> None:
         groups[group, c.BODIES_A + lane] = contact[row, c.BODY_A]
         groups[group, c.BODIES_B + lane] = contact[row, c.BODY_B]
         groups[group, c.GROUP_CONTACTS + lane] = row
+
+
+@compiled(inline=True)
+def is_linked(world: int, g: int) -> bool:
+    """Whether the contacts of a group are solved directly; several of them may share a movable body."""
+    linked: bool = g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
+    return linked

@@ -15,7 +15,6 @@ from kickdrift.core.linear_algebra import lu_factor, lu_solve
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import applied, dot
 from kickdrift.world.columns import symmetric_at
-from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import is_moved
 from kickdrift.world.contacts.impact_rows import (
     BOUNCE,
@@ -28,13 +27,14 @@ from kickdrift.world.contacts.impact_rows import (
     TURN_A,
     TURN_B,
     WANTED,
+    bodies_of,
     press,
     separating_speed,
     vector_in,
 )
 from kickdrift.world.contacts.impact_worklist import may_change, note_change
 from kickdrift.world.layout import GROUP, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
-from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, floats, integers, rows
+from kickdrift.world.tables import IMPACT, INVERSE_MASS, KICKED, floats, rows
 
 _MOST = 128  # points; larger groups are left to the sweeps
 _ROOM = _MOST * _MOST
@@ -62,14 +62,14 @@ def _find_groups(world: int) -> None:
     """Give the bodies of each group the number of its first hit."""
     kicked, changed = floats(world, KICKED), True
     for hit in range(rows(world, IMPACT)):
-        for body in _bodies(world, 4 * hit):
+        for body in bodies_of(world, hit):
             if is_moved(world, body):
                 kicked[body, GROUP] = hit
     while changed:
         changed = False
         for hit in range(rows(world, IMPACT)):
             group = _group(world, hit)
-            for body in _bodies(world, 4 * hit):
+            for body in bodies_of(world, hit):
                 if is_moved(world, body) and kicked[body, GROUP] != group:
                     kicked[body, GROUP], changed = group, True
 
@@ -78,7 +78,7 @@ def _find_groups(world: int) -> None:
 def _group(world: int, hit: int) -> int:
     """Return the least group of the movable bodies of a hit."""
     kicked, group = floats(world, KICKED), hit
-    for body in _bodies(world, 4 * hit):
+    for body in bodies_of(world, hit):
         if is_moved(world, body):
             group = min(group, int(kicked[body, GROUP]))
     return group
@@ -106,7 +106,7 @@ def _solve_group(world: int, first: int, sweep: int, stopping: bool, rubbing: bo
                 part, blocking = -above / change[i], i
         for i in range(count):
             which = int(points[i])
-            a, b = _bodies(world, which)
+            a, b = bodies_of(world, which // 4)
             press(
                 world,
                 a,
@@ -153,15 +153,9 @@ def _point(world: int, which: int) -> Any:
 
 
 @compiled(inline=True)
-def _bodies(world: int, which: int) -> tuple[int, int]:
-    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[which // 4, ROW])
-    return contact[row, c.BODY_A], contact[row, c.BODY_B]
-
-
-@compiled(inline=True)
 def _missing(world: int, which: int, thrown: bool) -> float:
     """Return by how much the velocity of a point misses its target, m/s."""
-    point, (a, b) = _point(world, which), _bodies(world, which)
+    point, (a, b) = _point(world, which), bodies_of(world, which // 4)
     normal = vector_in(floats(world, IMPACT)[which // 4], NORMAL)
     missing: float = (point[WANTED] if thrown else 0.0) - separating_speed(world, a, b, normal, point)
     return missing
@@ -180,7 +174,7 @@ def _response(world: int, which: int, other: int) -> float:
     """Return the change of the normal velocity of a point by a unit impulse at another, 1/kg."""
     impact, inverse_mass = floats(world, IMPACT), floats(world, INVERSE_MASS)
     point, source = _point(world, which), _point(world, other)
-    (a, b), (source_a, source_b) = _bodies(world, which), _bodies(world, other)
+    (a, b), (source_a, source_b) = bodies_of(world, which // 4), bodies_of(world, other // 4)
     aligned = dot(vector_in(impact[which // 4], NORMAL), vector_in(impact[other // 4], NORMAL))
     total = 0.0
     for body, turn, sign in ((a, TURN_A, -1.0), (b, TURN_B, 1.0)):

@@ -44,6 +44,13 @@ NORMAL = column(IMPACT, 3)
 TANGENT = column(IMPACT, 3)  # the first
 
 
+@compiled(inline=True)
+def bodies_of(world: int, hit: int) -> tuple[int, int]:
+    """Return the rows of the bodies of an impact."""
+    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
+    return contact[row, c.BODY_A], contact[row, c.BODY_B]
+
+
 @compiled
 def meet(world: int, hit: Any, least: float) -> None:
     """Write arms and target velocities of a contact whose bodies are at their impact; points slower than `least` do not hit."""

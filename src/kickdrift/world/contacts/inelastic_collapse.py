@@ -5,39 +5,10 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impact_motion import constraint, is_moved
-from kickdrift.world.contacts.impact_rows import BOUNCE, LISTED, ROW, SPEED, TIME, TIMES
+from kickdrift.world.contacts.impact_rows import BOUNCE, LISTED, ROW, SPEED, TIME, TIMES, bodies_of
 from kickdrift.world.contacts.impact_worklist import BOUNCING_CONTACT, IN_ROUND
 from kickdrift.world.layout import GROUP, LAST_ROUND, NEXT_IMPACT
-from kickdrift.world.settings import BOUNCING_TIME
-from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING
-from kickdrift.world.tables import (
-    BOUNCING,
-    CONTACT,
-    IMPACT,
-    KICKED,
-    SETTINGS,
-    STEP_STATUS,
-    floats,
-    integers,
-    rows,
-    set_rows,
-)
-
-
-@compiled(inline=True)
-def bodies_of(world: int, hit: int) -> tuple[int, int]:
-    """Return the rows of the bodies of an impact."""
-    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
-    return contact[row, c.BODY_A], contact[row, c.BODY_B]
-
-
-@compiled(inline=True)
-def warn_of_impacts(world: int, body: int, t: float) -> None:
-    """Note that impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
-    status, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
-    if status[0, WARNING] & LEFT_BOUNCING == 0:
-        status[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
-        status[0, WARNING] |= LEFT_BOUNCING
+from kickdrift.world.tables import BOUNCING, CONTACT, IMPACT, KICKED, floats, integers, rows, set_rows
 
 
 @compiled

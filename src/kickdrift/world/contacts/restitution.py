@@ -26,9 +26,20 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.arm_refresh import hide_from_sweeps
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_approach, slowest_bounce
-from kickdrift.world.contacts.colouring import LINKED
+from kickdrift.world.contacts.colouring import is_linked
 from kickdrift.world.contacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
-from kickdrift.world.contacts.impact_rows import APPROACH, BOUNCE, LISTED, ROW, SPEED, TIME, TIMES, meet, normal_impulse
+from kickdrift.world.contacts.impact_rows import (
+    APPROACH,
+    BOUNCE,
+    LISTED,
+    ROW,
+    SPEED,
+    TIME,
+    TIMES,
+    bodies_of,
+    meet,
+    normal_impulse,
+)
 from kickdrift.world.contacts.impact_time import find_time, rests
 from kickdrift.world.contacts.impact_worklist import (
     BOUNCING_CONTACT,
@@ -38,20 +49,20 @@ from kickdrift.world.contacts.impact_worklist import (
     is_quiet,
     note_hit,
 )
-from kickdrift.world.contacts.inelastic_collapse import bodies_of, join_touching, warn_of_impacts
+from kickdrift.world.contacts.inelastic_collapse import join_touching
 from kickdrift.world.contacts.resting_support import add_support, remove_support
 from kickdrift.world.contacts.simultaneous_impact import find_impulses
 from kickdrift.world.contacts.struck_bodies import is_struck, mark_struck
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT
-from kickdrift.world.settings import SLOP, SUBSTEPS
-from kickdrift.world.step.status import ask_for_room
+from kickdrift.world.settings import BOUNCING_TIME, SLOP, SUBSTEPS
+from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING, ask_for_room
 from kickdrift.world.tables import (
     BOUNCING,
-    COLOURS,
     CONTACT,
     IMPACT,
     KICKED,
     SETTINGS,
+    STEP_STATUS,
     floats,
     integers,
     room,
@@ -90,7 +101,7 @@ def find_bouncing(t: float, h: float, world: int) -> None:
         bounces = e > 0.0 or contact[row, c.CONTACT_STATE] & c.FAST or (struck and is_struck(world, row))
         if not bounces or contact[row, c.PLACE_IN_GROUPS] < 0:
             continue
-        linked = _is_linked(world, row)
+        linked = is_linked(world, contact[row, c.PLACE_IN_GROUPS] // c.WIDTH)
         if e > 0.0:
             constraint(world, row)[c.BOUNCE_THRESHOLD * c.WIDTH] = slowest_bounce(world, substep, row)
         if not linked:
@@ -147,15 +158,16 @@ def bounce(t: float, h: float, world: int) -> None:
         fastest = _find_round(world, _ROUNDS, h, False)
     remove_support(world)
     if fastest > max(_ROUGH * first, near / h):
-        warn_of_impacts(world, body, t)
+        _warn_of_impacts(world, body, t)
 
 
 @compiled(inline=True)
-def _is_linked(world: int, row: int) -> bool:
-    """Whether a contact is solved directly, and bounces there: see `kickdrift.world.direct.island_restitution`."""
-    place: int = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
-    linked: bool = place // c.WIDTH >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
-    return linked
+def _warn_of_impacts(world: int, body: int, t: float) -> None:
+    """Note that impacts of a body in the substep that begins at t were left unresolved, unless that is known of another."""
+    status, settings = integers(world, STEP_STATUS), floats(world, SETTINGS)
+    if status[0, WARNING] & LEFT_BOUNCING == 0:
+        status[0, BOUNCING_BODY], settings[0, BOUNCING_TIME] = body, t
+        status[0, WARNING] |= LEFT_BOUNCING
 
 
 @compiled

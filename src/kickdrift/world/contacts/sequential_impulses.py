@@ -13,7 +13,7 @@ from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.arm_refresh import find_stale, gather_for_arms, refresh_marked
-from kickdrift.world.contacts.colouring import LINKED, OVERFLOW
+from kickdrift.world.contacts.colouring import LINKED, OVERFLOW, is_linked
 from kickdrift.world.contacts.contact_solver_simd import run_kernel
 from kickdrift.world.contacts.group_bodies import add_changes, fetch, gather, gather_inertia, scatter
 from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, SCRATCH_SIZE, VELOCITY_A
@@ -69,7 +69,7 @@ def _warm_start_group(world: int, h: float, g: int) -> None:
         integers(world, KERNEL_ADDRESSES),
     )
     fetch(world, g)
-    linked = _is_linked(world, g)
+    linked = is_linked(world, g)
     if linked:
         for k in range(12 * _W):
             scratch[VELOCITY_A * _W + k] = 0.0
@@ -82,13 +82,6 @@ def _warm_start_group(world: int, h: float, g: int) -> None:
         add_changes(world, g, motion, scratch)
     else:
         scatter(world, g, motion, scratch)
-
-
-@compiled(inline=True)
-def _is_linked(world: int, g: int) -> bool:
-    """Whether the contacts of a group are solved directly; several of them may share a movable body."""
-    linked: bool = g >= integers(world, COLOURS)[LINKED, c.FIRST_GROUP]
-    return linked
 
 
 @compiled
@@ -125,7 +118,7 @@ def _relax_group(world: int, h: float, g: int) -> None:
     own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
     find_stale(world, own, scratch, n)
     refresh_marked(world, h, g, own, scratch, n)
-    if _is_linked(world, g):  # the direct solver finds its impulses
+    if is_linked(world, g):  # the direct solver finds its impulses
         return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
     run_kernel(kernels[0, c.SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
-from kickdrift.world.cloth.aerodynamics import calm
-from kickdrift.world.cloth.body_contacts import find_cloth_contacts
 from kickdrift.world.cloth.cloth_step import begin_cloths, move_cloths
+from kickdrift.world.cloth.contacts.body_contacts import find_cloth_contacts
+from kickdrift.world.cloth.forces.aerodynamics import calm
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.collision.broad_phase import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points

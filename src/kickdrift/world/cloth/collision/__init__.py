@@ -1,0 +1,1 @@
+"""Collisions of cloths with themselves and each other: pairs that may touch, continuous detection, and impulses."""

@@ -1,0 +1,1 @@
+"""Contacts of cloths, ropes and soft bodies with the shapes of bodies."""

@@ -1,0 +1,72 @@
+"""Contacts on a load path: what presses on a cloth, and what carries it there (`kickdrift.world.cloth.contacts.load_path`)."""
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
+from kickdrift.world.cloth.contacts.contact_motion import give_impulse, move_out, response_of_bodies, slip_velocity
+from kickdrift.world.cloth.contacts.contact_rows import gap_of, shares_of
+from kickdrift.world.cloth.contacts.load_path import carried_response, is_carried, pass_on_pressure, room_below
+from kickdrift.world.cloth.contacts.passed_friction import end_part, friction_bound, pass_on_friction, within
+from kickdrift.world.cloth.layout import CLOTH_NORMAL, CONTACT_IMPULSE, PASSED_FRICTION, SLIDES
+from kickdrift.world.columns import vector_at
+from kickdrift.world.tables import CLOTH_CONTACT_NUMBERS, floats
+
+
+@compiled
+def begin_loaded(world: int, row: int, most: float, slow: float) -> None:
+    """Begin a contact on a load path, without impulses: those of the part before are of the whole substep.
+
+    It slides if the cloth moves past the surface faster than `slow`, m/s.
+    """
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
+    n, v = vector_at(numbers, row, CLOTH_NORMAL), slip_velocity(world, row)
+    end_part(world, row)
+    numbers[row, SLIDES] = 1.0 if length(minus(v, times(dot(n, v), n))) > slow else 0.0
+    move_out(world, row, n, min(most, room_below(world, row)))
+
+
+@compiled
+def resolve_loaded(world: int, row: int, part: float, left: float) -> float:
+    """Do as `_resolve` for a contact on a load path, with what it passes on."""
+    numbers, shares = floats(world, CLOTH_CONTACT_NUMBERS), shares_of(world, row)
+    n, inverse_mass = vector_at(numbers, row, CLOTH_NORMAL), shares[3]
+    approach, wanted = dot(n, slip_velocity(world, row)), -max(gap_of(world, row), 0.0) / part
+    before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
+    now = before + (wanted - approach) / (
+        carried_response(world, row, n, shares[2]) + response_of_bodies(world, row, n)
+    )
+    now = max(now, 0.0)
+    if now == 0.0 and before == 0.0:
+        return 0.0
+    impulse = times(now - before, n)
+    numbers[row, CONTACT_IMPULSE] = now
+    give_impulse(world, row, shares, impulse, left)
+    pass_on_pressure(world, row, now - before, left)
+    if is_carried(world, row):
+        v = slip_velocity(world, row)
+        slip = minus(v, times(dot(n, v), n))
+        pass_on_friction(world, row, slip, response_of_bodies(world, row, _direction(slip)), left)
+    friction = minus(_friction(world, row, inverse_mass), sliding)
+    for k in range(3):
+        numbers[row, CONTACT_IMPULSE + 1 + k] += friction[k]
+    give_impulse(world, row, shares, friction, left)
+    return inverse_mass * length(plus(impulse, friction))
+
+
+@compiled(inline=True)
+def _direction(v: Vector) -> Vector:
+    return times(1.0 / max(length(v), 1e-300), v)
+
+
+@compiled
+def _friction(world: int, row: int, inverse_mass: float) -> Vector:
+    """Return the impulse of friction that would stop a point of an inverse mass, 1/kg, within Coulomb's bound, N s."""
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
+    n, friction = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, CONTACT_IMPULSE + 1)
+    v = slip_velocity(world, row)
+    slip = minus(v, times(dot(n, v), n))
+    if dot(slip, slip) > 0.0:
+        friction = minus(friction, times(1.0 / (inverse_mass + response_of_bodies(world, row, _direction(slip))), slip))
+    # What is passed on through the cloth is bounded by what passes it: an excess of it would throw the cloth.
+    passed = vector_at(numbers, row, PASSED_FRICTION)
+    most = max(friction_bound(world, row), length(passed))
+    return minus(within(plus(friction, passed), most), passed)
