@@ -168,15 +168,20 @@ def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -
     number, t, normal, gap
         The edge, or `_NONE`; the deepest point as a fraction of it; the normal of the frustum there; the separation, m.
     """
-    number, share, normal, best, nearest = _edge_among(f, body, seen, near, margin)
+    number, share, normal, best, nearest = _edge_among(f, body, seen, near, margin, False)
     if nearest <= 0.0:
-        number, share, normal, best, _ = _edge_among(f, body, seen, near, np.inf)
+        number, share, normal, best, _ = _edge_among(f, body, seen, near, margin, True)
     return number, share, normal, best
 
 
 @compiled
-def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tuple[int, float, Vector, float, float]:
-    """Find the same among edges nearer than a limit; return also the distance of the nearest edge, 0.0 inside."""
+def _edge_among(
+    f: Frustum, body: Any, seen: Any, near: int, limit: float, every: bool
+) -> tuple[int, float, Vector, float, float]:
+    """Find the same among edges nearer than a limit; return also the distance of the nearest edge, 0.0 inside.
+
+    Without `every`, only those count that are as near as any before them.
+    """
     number, share, normal, best, nearest = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit
     above, slope = np.inf, 1.0
     for k in range(int(body[EDGES])):
@@ -194,7 +199,7 @@ def _edge_among(f: Frustum, body: Any, seen: Any, near: int, limit: float) -> tu
         distance, _ = signed_distance(f, along(p, t, way))
         if distance > limit:
             continue
-        if limit < np.inf:
+        if not every:
             nearest = min(nearest, max(distance, 0.0))
         low, size = lowest(seen, n), length(way)
         gap, lift, rise = low - highest(f, n), dot(n, along(p, t, way)) - low, abs(dot(n, way)) / size
