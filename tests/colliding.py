@@ -2,8 +2,8 @@
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.narrow_phase import COLLIDE, collide
-from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.collision.narrow_phase.manifolds import COLLIDE, collide
+from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.contacts.layout import REACHABLE
 
 

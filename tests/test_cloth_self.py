@@ -12,7 +12,7 @@ from kickdrift.world.cloth import layout
 from kickdrift.world.cloth.collision.face_tree import face_tree, stars
 from kickdrift.world.cloth.collision.proximity import EDGE_EDGE, VERTEX_FACE, nearest
 from kickdrift.world.cloth.mesh import cloth_mesh, grid
-from kickdrift.world.collision.bvh import BRANCH
+from kickdrift.world.collision.broad_phase.bvh import BRANCH
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down

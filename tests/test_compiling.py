@@ -24,7 +24,7 @@ from kickdrift.core.linking import Part, Whole
 from kickdrift.core.parallel_compile import _families
 from kickdrift.engine.announcing import compiling_announced
 from kickdrift.scenes.worlds.catalogue import SCENES
-from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.broad_phase.pair_update import find_pairs
 from kickdrift.world.contacts.contact_solver_simd import KERNELS
 from kickdrift.world.direct.island_restitution import bounce_islands
 from kickdrift.world.direct.island_solver import solve_islands
@@ -214,8 +214,8 @@ def _scaled(x):
 
 JOBS = (
     "from kickdrift.core import parallel_compile;"
-    "from kickdrift.world.collision.pair_dispatch import PAIRS;"
-    "from kickdrift.world.collision.narrow_phase import COLLIDE;"
+    "from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS;"
+    "from kickdrift.world.collision.narrow_phase.manifolds import COLLIDE;"
     "from kickdrift.engine import letters;"
     "jobs = [(PAIRS[0, 2], COLLIDE)];"
     "jobs += [job for job in letters.shared() if '_drift_drift_1_1_' in job[0].__name__];"

@@ -235,7 +235,7 @@ RECORD = Kind(
 @pytest.mark.parametrize("house", ["shape"], indirect=True)
 def test_a_new_shape(house):
     house.add("world/shapes/bead.py", BEAD)
-    pairs = "world/collision/pair_dispatch.py"
+    pairs = "world/collision/narrow_phase/pair_dispatch.py"
     house.line("world/shapes/kind_numbers.py", "CONE = 9\n", "BEAD = 10\n")
     house.line("world/shapes/shape_kinds.py", "    cone.RECORD,\n", "    bead.RECORD,\n")
     house.line(

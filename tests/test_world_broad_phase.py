@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 from stages import run_stage
 
 from kickdrift.world import tables as t
-from kickdrift.world.collision.broad_phase import find_pairs
-from kickdrift.world.collision.broad_phase_state import (
+from kickdrift.world.collision.broad_phase.bvh import ITEM, build, fit, gather
+from kickdrift.world.collision.broad_phase.filters import exclude
+from kickdrift.world.collision.broad_phase.pair_update import find_pairs
+from kickdrift.world.collision.broad_phase.search_state import (
     FITTED,
     LEFT,
     MOVERS_CHANGED,
@@ -18,8 +20,6 @@ from kickdrift.world.collision.broad_phase_state import (
     filters_changed,
     shapes_changed,
 )
-from kickdrift.world.collision.bvh import ITEM, build, fit, gather
-from kickdrift.world.collision.filters import exclude
 from kickdrift.world.collision.shape_properties import describe_kinds, find_extents
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, CONTACT_STATE, SENSOR, TOUCHING
 from kickdrift.world.layout import (

@@ -12,11 +12,11 @@ from stages import run_stage
 from kickdrift.core.errors import ArgumentError, KickdriftError, LostBodyError
 from kickdrift.world import tables as t
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.collision.broad_phase import find_pairs
-from kickdrift.world.collision.broad_phase_state import CHANGED, shapes_changed
-from kickdrift.world.collision.bvh import build, fit
-from kickdrift.world.collision.bvh_ray_cast import NOTHING, WALK, advance, reciprocal, start
-from kickdrift.world.collision.queries import overlap_box, overlap_sphere, ray_cast_many
+from kickdrift.world.collision.broad_phase.bvh import build, fit
+from kickdrift.world.collision.broad_phase.pair_update import find_pairs
+from kickdrift.world.collision.broad_phase.search_state import CHANGED, shapes_changed
+from kickdrift.world.collision.queries.bvh_ray_cast import NOTHING, WALK, advance, reciprocal, start
+from kickdrift.world.collision.queries.world_queries import overlap_box, overlap_sphere, ray_cast_many
 from kickdrift.world.collision.shape_properties import describe_kinds, find_extents
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, IS_SENSOR, LAYER, RADIUS, SHAPE_KIND, STATIC
 from kickdrift.world.query_api import SpatialQueries

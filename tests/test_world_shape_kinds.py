@@ -9,7 +9,7 @@ import pytest
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.shapes import sphere
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.hull import Hull

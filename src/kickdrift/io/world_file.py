@@ -19,7 +19,7 @@ from kickdrift.world.bodies.shape_rows import SHOWN, Placed, ShapeRows, Surface
 from kickdrift.world.cloth.building import MET_AS
 from kickdrift.world.cloth.layout import CLOTH_GENERATION, DIMENSION
 from kickdrift.world.cloth.wind_functions import force_or_wind_of
-from kickdrift.world.collision.filters import part_joined
+from kickdrift.world.collision.broad_phase.filters import part_joined
 from kickdrift.world.file_integrity import check
 from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import add_unjoined, arrange

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from kickdrift.world import settings as s
 from kickdrift.world.cloth.integrity import check_cloths
-from kickdrift.world.collision.broad_phase_state import NEW, SOUGHT_ANEW
-from kickdrift.world.collision.filters import HIGH_BODY, LOW_BODY
-from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.collision.broad_phase.filters import HIGH_BODY, LOW_BODY
+from kickdrift.world.collision.broad_phase.search_state import NEW, SOUGHT_ANEW
+from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.joint_kinds import KINDS as JOINT_KINDS

@@ -50,7 +50,7 @@ SIZE = column(SHAPE)  # how many they are
 LAYER = column(SHAPE)  # one bit
 MASK = column(SHAPE)  # bits of the layers that it collides with
 IS_SENSOR = column(SHAPE)
-SEARCH_STATE = column(SHAPE)  # see `kickdrift.world.collision.broad_phase_state`
+SEARCH_STATE = column(SHAPE)  # see `kickdrift.world.collision.broad_phase.search_state`
 GONE = -1
 
 # PLACE of a shape in its body, and its surface

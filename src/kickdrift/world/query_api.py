@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
-from kickdrift.world.collision import queries
-from kickdrift.world.collision.queries import RayHit, RayHits
-from kickdrift.world.collision.query_arguments import one_vector
+from kickdrift.world.collision.queries import world_queries
+from kickdrift.world.collision.queries.query_arguments import one_vector
+from kickdrift.world.collision.queries.world_queries import RayHit, RayHits
 from kickdrift.world.layout import BODY_ROW
 from kickdrift.world.tables import SHAPE, Tables
 from kickdrift.world.world_lock import alone
@@ -72,7 +72,7 @@ class SpatialQueries:
         (True, 4.5)
         """
         ray = one_vector("origin", origin), one_vector("direction", direction)
-        found = self._hits(queries.ray_cast_many(self.tables, *ray, limit, layers, self._ignored(ignore)))
+        found = self._hits(world_queries.ray_cast_many(self.tables, *ray, limit, layers, self._ignored(ignore)))
         return found[0] if found else None
 
     @alone
@@ -108,7 +108,9 @@ class SpatialQueries:
         >>> [hit.distance for hit in world.ray_cast_all(origin=(0, 0, 5), direction=(0, 0, -1))]
         [2.5, 4.5]
         """
-        return self._hits(queries.ray_cast_all(self.tables, origin, direction, limit, layers, self._ignored(ignore)))
+        return self._hits(
+            world_queries.ray_cast_all(self.tables, origin, direction, limit, layers, self._ignored(ignore))
+        )
 
     @alone
     def ray_cast_many(
@@ -151,7 +153,7 @@ class SpatialQueries:
         >>> hits.distance
         array([4.5, inf])
         """
-        return queries.ray_cast_many(self.tables, origins, directions, limit, layers, self._ignored(ignore))
+        return world_queries.ray_cast_many(self.tables, origins, directions, limit, layers, self._ignored(ignore))
 
     @alone
     def overlap_box(
@@ -195,7 +197,7 @@ class SpatialQueries:
         True
         """
         ignored = self._ignored(ignore)
-        return self._bodies_of(queries.overlap_box(self.tables, size, position, orientation, layers, ignored))
+        return self._bodies_of(world_queries.overlap_box(self.tables, size, position, orientation, layers, ignored))
 
     @alone
     def overlap_sphere(
@@ -233,7 +235,9 @@ class SpatialQueries:
         >>> world.overlap_sphere(radius=0.2, position=(0.6, 0, 0)) == [ball]
         True
         """
-        return self._bodies_of(queries.overlap_sphere(self.tables, radius, position, layers, self._ignored(ignore)))
+        return self._bodies_of(
+            world_queries.overlap_sphere(self.tables, radius, position, layers, self._ignored(ignore))
+        )
 
     def _ignored(self, ignore: Any) -> set[int]:
         if isinstance(ignore, Body):

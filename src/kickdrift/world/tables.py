@@ -48,7 +48,7 @@ GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 # Contacts: pairs of shapes whose fat bounds overlap; see `kickdrift.world.contacts.layout`
 CONTACT = Table(12, 8, whole=True)
 MANIFOLD = Table(13, 72)
-LOST_POINT = Table(107, 16)  # in this step: see `kickdrift.world.collision.impulse_matching`
+LOST_POINT = Table(107, 16)  # in this step: see `kickdrift.world.collision.narrow_phase.impulse_matching`
 SETTINGS = Table(14, 33)  # one row: see `kickdrift.world.settings`
 STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step.status`
 EVENTS = Table(16, 8, whole=True)
@@ -59,7 +59,7 @@ JOINT_AXES = Table(45, 16)  # six rows a joint
 LANES = Table(20, 1)  # constraints in groups of lanes, whose fields are in `kickdrift.world.contacts.layout`
 GROUPS = Table(21, 24, whole=True)  # contents of these groups: see there
 SCRATCH = Table(22, 1)
-TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.bvh`
+TREE = Table(23, 8)  # over the fat bounds of shapes that may move: see `kickdrift.world.collision.broad_phase.bvh`
 STATIC_TREE = Table(24, 8)  # over those of shapes that may not
 SHAPE_KINDS = Table(28, 4, whole=True)  # of shapes: see `kickdrift.world.collision.shape_properties`
 COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair of kinds of shapes
@@ -81,7 +81,7 @@ ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
 COLOURED = Table(31, 1, whole=True)  # for each body the set of colours of its contacts
 KERNEL_ADDRESSES = Table(34, 10, whole=True)  # one row: see `kickdrift.world.contacts.layout`
-IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impact_rows`
+IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impacts.impact_rows`
 BOUNCING = Table(60, 3, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step
 STARTED_MOTION = Table(33, MOTION.width)
@@ -90,13 +90,13 @@ STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 STARTED_IMPULSE = Table(29, 12)  # of contacts: see `kickdrift.world.contacts.batch_division`
 PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
 SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_path`
-SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.broad_phase_state`
+SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.broad_phase.search_state`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes
 SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found again
 TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
-EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted: see `kickdrift.world.collision.filters`
+EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted; see `collision.broad_phase.filters`
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users have excluded; the others are joined
 FORCE_NUMBERS = Table(62, 1)  # numbers captured by users' forces: see `kickdrift.world.force_functions`
 

@@ -11,7 +11,7 @@ from kickdrift.world.argument_checks import choice, vector
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.collision.filters import exclude
+from kickdrift.world.collision.broad_phase.filters import exclude
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
 from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables
 from kickdrift.world.world_lock import undivided

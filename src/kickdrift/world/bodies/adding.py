@@ -17,7 +17,7 @@ from kickdrift.world.bodies.part import Part, surface_of
 from kickdrift.world.bodies.registry import GROUND, Bodies
 from kickdrift.world.bodies.shape_rows import Placed, ShapeRows, Surface
 from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.collision.filters import forget
+from kickdrift.world.collision.broad_phase.filters import forget
 from kickdrift.world.events import forget_contacts
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.layout import BOUNDING_RADIUS, DYNAMIC, KINEMATIC, STATIC

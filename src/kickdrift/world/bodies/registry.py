@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import ShapeRows
-from kickdrift.world.collision.broad_phase_state import shapes_changed
+from kickdrift.world.collision.broad_phase.search_state import shapes_changed
 from kickdrift.world.contacts.mass_update import scale_impulses
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (

@@ -12,9 +12,9 @@ from kickdrift.core.arguments import is_whole, real, reals
 from kickdrift.core.calls import address_of
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.argument_checks import choice
-from kickdrift.world.collision.broad_phase_state import NEW, shapes_changed
-from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.collision.broad_phase.search_state import NEW, shapes_changed
+from kickdrift.world.collision.narrow_phase.manifolds import COLLIDE
+from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.collision.shape_properties import describe_kinds, find_extents
 from kickdrift.world.layout import (
     BEGIN,

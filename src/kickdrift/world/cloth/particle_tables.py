@@ -10,7 +10,7 @@ from kickdrift.world.cloth import layout as c
 from kickdrift.world.cloth.collision.face_tree import face_tree, stars
 from kickdrift.world.cloth.face_groups import face_groups
 from kickdrift.world.cloth.mesh import ClothMesh
-from kickdrift.world.collision.bvh import ITEM, SKIP
+from kickdrift.world.collision.broad_phase.bvh import ITEM, SKIP
 
 Integers = NDArray[np.int64]
 

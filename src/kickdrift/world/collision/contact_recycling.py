@@ -6,9 +6,9 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
 from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
-from kickdrift.world.collision.broad_phase_state import TRIES
-from kickdrift.world.collision.impulse_matching import reserve_lost_points
-from kickdrift.world.collision.narrow_phase import find_manifold, smallest
+from kickdrift.world.collision.broad_phase.search_state import TRIES
+from kickdrift.world.collision.narrow_phase.impulse_matching import reserve_lost_points
+from kickdrift.world.collision.narrow_phase.manifolds import find_manifold, smallest
 from kickdrift.world.collision.predicted_path import fastest_turn, has_change, way_on_path
 from kickdrift.world.collision.shape_poses import placed_pose
 from kickdrift.world.collision.shape_properties import half_width, is_round, sort_of

@@ -18,7 +18,7 @@ from kickdrift.core.vectors import (
     turned_back,
 )
 from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, weight_per_mass
-from kickdrift.world.collision.narrow_phase import radius, smallest
+from kickdrift.world.collision.narrow_phase.manifolds import radius, smallest
 from kickdrift.world.collision.shape_poses import placed_pose
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c

@@ -4,22 +4,23 @@ At the start of a substep, when joints are satisfied, in rounds: all points that
 bounce speed get -e times their speed, together with points of the same manifold that would hit in the next substep, so that
 bodies that land flat do not turn; then the points that these push onto others, until none hits. A round is solved without
 friction first. Then friction acts on the part of the motion that restitution leaves alone, by the law of
-`kickdrift.world.contacts.simultaneous_impact`, and adds no energy; solved together with Newton's rule, it would throw a ball of
-26 mg between bodies of 600 kg at 500 m/s. Joints at their limits are stopped in both. Points that hit even after `_ROUNDS`
-rounds, as of a body that is thrown to and fro between others, are left to the solution of the substep, which stops them, as
-with e = 0. Points without restitution also hit in islands struck by a contact so fast that its shapes move by more than half of
-the smaller one in a substep: at its end they might have turned through each other, since the solution of a substep assumes
-constant arms. Smith, Kaufman, Vouga, Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31 (2012) 106.
+`kickdrift.world.contacts.impacts.simultaneous_impact`, and adds no energy; solved together with Newton's rule, it would throw a
+ball of 26 mg between bodies of 600 kg at 500 m/s. Joints at their limits are stopped in both. Points that hit even after
+`_ROUNDS` rounds, as of a body that is thrown to and fro between others, are left to the solution of the substep, which stops
+them, as with e = 0. Points without restitution also hit in islands struck by a contact so fast that its shapes move by more
+than half of the smaller one in a substep: at its end they might have turned through each other, since the solution of a substep
+assumes constant arms. Smith, Kaufman, Vouga, Tamstorf, Grinspun, Reflections on Simultaneous Impact, ACM Trans. Graph. 31
+(2012) 106.
 """
 
 import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.body_acceleration import closing_acceleration
-from kickdrift.world.collision.missed_contacts import drop_paths
+from kickdrift.world.collision.continuous.missed_contacts import drop_paths
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
-from kickdrift.world.contacts.struck_bodies import strikes
+from kickdrift.world.contacts.impacts.struck_bodies import strikes
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contact_states import BOUNCE, BOUNCE_FRICTION, read_both, twelve

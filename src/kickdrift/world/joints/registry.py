@@ -9,7 +9,7 @@ from weakref import ReferenceType
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.collision.filters import part_joined
+from kickdrift.world.collision.broad_phase.filters import part_joined
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.axis_law_rows import LawPart, check_changeable, read_law, write_law
 from kickdrift.world.joints.axis_options import Axis

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 from kickdrift.core.parallel_compile import Job, compile_together, missing
 from kickdrift.engine.announcing import compiling_announced
-from kickdrift.world.collision.narrow_phase import COLLIDE
-from kickdrift.world.collision.pair_dispatch import PAIRS
+from kickdrift.world.collision.narrow_phase.manifolds import COLLIDE
+from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.collision.shape_properties import extents_of
 from kickdrift.world.contacts.contact_solver_simd import KERNEL, KERNELS
 from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island

@@ -11,20 +11,20 @@ from kickdrift.world.cloth.cloth_step import begin_cloths, move_cloths
 from kickdrift.world.cloth.contacts.body_contacts import find_cloth_contacts
 from kickdrift.world.cloth.forces.aerodynamics import calm
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
-from kickdrift.world.collision.broad_phase import find_pairs
+from kickdrift.world.collision.broad_phase.pair_update import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
-from kickdrift.world.collision.impulse_matching import pass_on_impulses
-from kickdrift.world.collision.missed_contacts import drop_paths, find_missed
-from kickdrift.world.collision.narrow_phase import place_shapes
+from kickdrift.world.collision.continuous.missed_contacts import drop_paths, find_missed
+from kickdrift.world.collision.continuous.rotation_limit import divide_fast_rotation
+from kickdrift.world.collision.continuous.time_of_impact import find_impacts
+from kickdrift.world.collision.narrow_phase.impulse_matching import pass_on_impulses
+from kickdrift.world.collision.narrow_phase.manifolds import place_shapes
 from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
-from kickdrift.world.collision.rotation_limit import divide_fast_rotation
-from kickdrift.world.collision.time_of_impact import find_impacts
 from kickdrift.world.contacts.arm_refresh import refresh_hit
 from kickdrift.world.contacts.batch_division import find_batches
 from kickdrift.world.contacts.colouring import colour
+from kickdrift.world.contacts.impacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure_residual
-from kickdrift.world.contacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.sequential_impulses import THREADED, relax, solve, store, warm_start
 from kickdrift.world.direct.direct_bodies import find_nodes
 from kickdrift.world.direct.energy_loss import note_losses

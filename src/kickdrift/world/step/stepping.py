@@ -15,7 +15,7 @@ from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.cloth.wind_functions import WINDS
-from kickdrift.world.collision.broad_phase_state import TRIES
+from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batch_division import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH

@@ -36,7 +36,7 @@ from kickdrift.world.cloth.layout import (
     SOUGHT,
     VALID,
 )
-from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP
+from kickdrift.world.collision.broad_phase.bvh import BRANCH, ITEM, SKIP
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,

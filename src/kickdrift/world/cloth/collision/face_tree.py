@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world.cloth.mesh import NONE, ClothMesh
-from kickdrift.world.collision.bvh import BRANCH, TWIG
+from kickdrift.world.collision.broad_phase.bvh import BRANCH, TWIG
 
 Integers = NDArray[np.int64]
 
@@ -19,7 +19,7 @@ _BUNCH = 8  # largest number of triangles of a twig; with 4, a draped sheet of 1
 
 
 class FaceTree(NamedTuple):
-    """A tree as in `kickdrift.world.collision.bvh`.
+    """A tree as in `kickdrift.world.collision.broad_phase.bvh`.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ from kickdrift.world.cloth.layout import (
     TRAVELLED,
     VALID,
 )
-from kickdrift.world.collision.bvh import BRANCH, ITEM, SKIP, fit_node
+from kickdrift.world.collision.broad_phase.bvh import BRANCH, ITEM, SKIP, fit_node
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import (
     CLOTH,

@@ -6,7 +6,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, conjugate, dot, minus, plus, times, turned, turned_back
 from kickdrift.world.cloth.contacts.contact_rows import Pose, Touch
-from kickdrift.world.collision.narrow_phase import collide
+from kickdrift.world.collision.narrow_phase.manifolds import collide
 from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT
 from kickdrift.world.layout import BEGIN, SHAPE_KIND, SIZE

@@ -37,8 +37,8 @@ from kickdrift.world.cloth.layout import (
     ROPE,
     TOUCHING_PARTICLE,
 )
-from kickdrift.world.collision.bvh import Box
-from kickdrift.world.collision.overlap_query import find_near, find_triangles
+from kickdrift.world.collision.broad_phase.bvh import Box
+from kickdrift.world.collision.queries.overlap_query import find_near, find_triangles
 from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH

@@ -20,7 +20,7 @@ from kickdrift.world.cloth.layout import (
     TOUCHED_POINT,
     TOUCHING_PARTICLE,
 )
-from kickdrift.world.collision.filters import is_excluded
+from kickdrift.world.collision.broad_phase.filters import is_excluded
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import ANGULAR_VELOCITY, ORIENTATION, VELOCITY
 from kickdrift.world.tables import (

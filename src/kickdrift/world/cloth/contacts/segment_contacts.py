@@ -31,8 +31,8 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
 )
-from kickdrift.world.collision.narrow_phase import collide
-from kickdrift.world.collision.overlap_query import find_triangles
+from kickdrift.world.collision.narrow_phase.manifolds import collide
+from kickdrift.world.collision.queries.overlap_query import find_triangles
 from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE

@@ -1,0 +1,1 @@
+"""Continuous collision detection: contacts of bodies so fast that they would pass each other within a step."""

@@ -1,0 +1,240 @@
+"""Manifold reduction: up to four points are chosen from the candidates of a contact.
+
+A candidate is a point of the incident face, a row of `CANDIDATE` numbers.
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, cross, dot, minus, times
+from kickdrift.world.collision.narrow_phase.clipping import CORNER, LABEL, between
+from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
+from kickdrift.world.collision.narrow_phase.shape_frames import placed_back
+from kickdrift.world.columns import Fields
+from kickdrift.world.contacts.layout import LEFT_OUT, REACHABLE
+from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
+
+# Numbers of a candidate
+_CANDIDATE = Fields()
+_CANDIDATE.field(3, "m")  # the point, in the frame of the first shape
+SEPARATION = _CANDIDATE.field(1, "m")  # from the reference face
+FEATURES = _CANDIDATE.field()  # id of the features that meet there
+CANDIDATE = _CANDIDATE.close()
+
+_STEADY = 0.95  # factor by which a candidate must be better than an earlier one, so that the choice does not flicker
+_THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
+
+
+@compiled(inline=True)
+def crossing(edge_a: int, edge_b: int) -> int:
+    """Return the feature id of two edges that touch."""
+    return 256 + 512 * edge_a + edge_b
+
+
+@compiled
+def corner_feature(
+    reference: Any, face: int, incident: Any, other: int, before: float, after: float, second_is_reference: bool
+) -> int:
+    """Return the feature id of a corner of a clipped face, between two labels.
+
+    The id of a vertex of the second polyhedron is its number, that of a vertex of the first its number plus 128, and that of
+    two edges their `crossing`.
+    """
+    first, last = loop(reference, face)
+    begin, end = loop(incident, other)
+    low, high = int(min(before, after)), int(max(before, after))
+    if low >= 0:
+        vertex = loop_vertex(incident, begin + between(int(before), int(after), end - begin))
+        return vertex + MOST_VERTICES if second_is_reference else vertex
+    if high < 0:
+        vertex = loop_vertex(reference, first + between(-1 - int(before), -1 - int(after), last - first))
+        return vertex if second_is_reference else vertex + MOST_VERTICES
+    own, met = loop_edge(reference, first - 1 - low), loop_edge(incident, begin + high)
+    return crossing(met, own) if second_is_reference else crossing(own, met)
+
+
+@compiled(inline=True)
+def put_candidate(candidates: Any, at: int, point: Vector, gap: float, feature: int) -> None:
+    """Write a candidate at a given index."""
+    candidates[at], candidates[at + 1], candidates[at + 2] = point
+    candidates[at + SEPARATION], candidates[at + FEATURES] = gap, feature
+
+
+@compiled
+def put_candidates(
+    polygon: Any,
+    count: int,
+    normal: Vector,
+    offset: float,
+    margin: float,
+    reference: Any,
+    face: int,
+    incident: Any,
+    other: int,
+    second_is_reference: bool,
+    candidates: Any,
+) -> tuple[int, float]:
+    """Write the corners of a clipped face that are within the margin of the reference face.
+
+    Returns
+    -------
+    count : int
+        Number of candidates.
+    depth : float
+        Their smallest separation, m.
+    """
+    kept, depth = 0, margin
+    for k in range(count):
+        at = CORNER * k
+        point = (polygon[at], polygon[at + 1], polygon[at + 2])
+        gap = dot(normal, point) - offset
+        if gap <= margin:
+            before, after = polygon[CORNER * (k - 1 if k > 0 else count - 1) + LABEL], polygon[at + LABEL]
+            feature = corner_feature(reference, face, incident, other, before, after, second_is_reference)
+            put_candidate(candidates, CANDIDATE * kept, point, gap, feature)
+            kept, depth = kept + 1, min(depth, gap)
+    return kept, depth
+
+
+@compiled
+def choose(candidates: Any, count: int, normal: Vector, tolerance: float, manifold: Any, chosen: Any) -> int:
+    """Choose up to four candidates, write their indices, and return their number.
+
+    The lowest four, unless more than four are reachable (`kickdrift.world.contacts.layout.REACHABLE`): then four of these that
+    span nearly the same area. A polyhedron that rolls on many corners would otherwise sink in at the next of them, which is
+    close to the one it stands on and adds no area.
+    """
+    if count <= 4:
+        for k in range(count):
+            chosen[k] = k
+        return count
+    reachable, kept = 0, 4
+    for k in range(count):
+        reachable += candidates[CANDIDATE * k + SEPARATION] <= manifold[REACHABLE]
+    if reachable <= 4:
+        _choose_lowest(candidates, count, chosen)
+    else:
+        _drop_above(candidates, count, manifold[REACHABLE])
+        count = reachable
+        kept = _choose_by_area(candidates, count, normal, tolerance, chosen)
+    manifold[LEFT_OUT] = math.inf
+    for k in range(count):
+        if not _is_chosen(chosen, kept, k):
+            manifold[LEFT_OUT] = min(manifold[LEFT_OUT], candidates[CANDIDATE * k + SEPARATION])
+    return kept
+
+
+@compiled(inline=True)
+def _is_chosen(chosen: Any, count: int, candidate: int) -> bool:
+    found = False
+    for k in range(count):
+        found |= chosen[k] == candidate
+    return found
+
+
+@compiled
+def _choose_lowest(candidates: Any, count: int, chosen: Any) -> None:
+    """Choose the four candidates of smallest separation."""
+    for kept in range(4):
+        least = math.inf
+        for k in range(count):
+            gap = candidates[CANDIDATE * k + SEPARATION]
+            if gap < least and not _is_chosen(chosen, kept, k):
+                chosen[kept], least = k, gap
+
+
+@compiled
+def _drop_above(candidates: Any, count: int, highest: float) -> None:
+    """Move candidates up to where those with a larger separation than the highest were."""
+    kept = 0
+    for k in range(count):
+        if candidates[CANDIDATE * k + SEPARATION] <= highest:
+            for j in range(CANDIDATE):
+                candidates[CANDIDATE * kept + j] = candidates[CANDIDATE * k + j]
+            kept += 1
+
+
+@compiled
+def _choose_by_area(candidates: Any, count: int, normal: Vector, tolerance: float, chosen: Any) -> int:
+    """Choose up to four candidates that span nearly the same area as all of them, and return their number.
+
+    The deepest; the farthest from it; the one that forms the largest triangle with both; and the one that adds the largest area
+    to this.
+    """
+    first = count - 1
+    for k in range(count - 1):
+        if candidates[CANDIDATE * k + SEPARATION] < candidates[CANDIDATE * first + SEPARATION] - tolerance:
+            first = k
+    chosen[0] = first
+    a = _point(candidates, first)
+    second, longest = count, 0.0
+    for k in range(count):
+        arm = cross(normal, minus(_point(candidates, k), a))
+        square = dot(arm, arm)
+        if _STEADY * square > longest:
+            second, longest = k, square
+    if second == count:
+        return 1
+    chosen[1] = second
+    b = _point(candidates, second)
+    third, largest, least = count, 0.0, _THIN * longest
+    for k in range(count):
+        area = _area(a, b, _point(candidates, k), normal)
+        if _STEADY * abs(area) > max(abs(largest), least):
+            third, largest = k, area
+    if third == count:
+        return 2
+    chosen[2] = third
+    c = _point(candidates, third)
+    way = times(-1.0 if largest < 0.0 else 1.0, normal)
+    fourth, most = count, least
+    for k in range(count):
+        p = _point(candidates, k)
+        added = max(_area(b, a, p, way), _area(c, b, p, way), _area(a, c, p, way))
+        if _STEADY * added > most:
+            fourth, most = k, added
+    if fourth == count:
+        return 3
+    chosen[3] = fourth
+    return 4
+
+
+@compiled(inline=True)
+def _point(candidates: Any, k: int) -> Vector:
+    at = CANDIDATE * k
+    return (candidates[at], candidates[at + 1], candidates[at + 2])
+
+
+@compiled(inline=True)
+def _area(a: Vector, b: Vector, c: Vector, normal: Vector) -> float:
+    """Return twice the area of a triangle, positive if it is counter-clockwise seen against the normal."""
+    return dot(cross(minus(b, a), minus(c, a)), normal)
+
+
+@compiled
+def put_manifold(
+    manifold: Any, candidates: Any, chosen: Any, count: int, normal: Vector, frame: Any, second_is_reference: bool
+) -> None:
+    """Write the chosen candidates as the points of a manifold.
+
+    Parameters
+    ----------
+    manifold : array
+        See `kickdrift.world.collision.narrow_phase`.
+    candidates, chosen, count
+        See `choose`.
+    normal : (3,) tuple
+        Outward unit normal of the reference face in the frame of the first shape.
+    frame : pointer to floats
+        Frame of the second shape in the first's.
+    second_is_reference : bool
+        Whether the reference face belongs to the second shape, and the incident face to the first.
+    """
+    for k in range(count):
+        at = CANDIDATE * int(chosen[k])
+        point = (candidates[at], candidates[at + 1], candidates[at + 2])
+        under = minus(point, times(candidates[at + SEPARATION], normal))
+        on_a, on_b = (point, under) if second_is_reference else (under, point)
+        put_point(manifold, k, on_a, placed_back(frame, on_b), int(candidates[at + FEATURES]))
+    put_normal(manifold, times(-1.0 if second_is_reference else 1.0, normal))

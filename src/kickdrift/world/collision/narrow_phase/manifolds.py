@@ -1,0 +1,146 @@
+"""The narrow phase: poses of shapes, and manifolds from the contact functions of their kinds."""
+
+import math
+from typing import Any
+
+from numba import carray, types
+
+from kickdrift.core.calls import caller
+from kickdrift.core.compilation import compiled
+from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to
+from kickdrift.world.collision.narrow_phase.impulse_matching import (
+    OLD_SIZE,
+    keep_points,
+    lose_points,
+    take_over_impulses,
+)
+from kickdrift.world.collision.shape_poses import shape_pose
+from kickdrift.world.collision.shape_properties import core_of, sort_of
+from kickdrift.world.columns import point_at
+from kickdrift.world.contacts.layout import (
+    CONTACT_STATE,
+    FOUND_POSE,
+    LEFT_OUT,
+    MOVING,
+    NORMAL,
+    ON_A,
+    POINT,
+    POINT_SIZE,
+    POINTS,
+    SHAPE_A,
+    SHAPE_B,
+    TRIANGLE_INDEX,
+    WIDTH_OF_FACE,
+)
+from kickdrift.world.layout import BEGIN, LAST_LOST, PLACED_ORIENTATION, PLACED_POSITION, RADIUS, SHAPE_KIND, SIZE
+from kickdrift.world.shapes.kind_numbers import TRIANGLE
+from kickdrift.world.shapes.record import CENTRE, SURFACE
+from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
+from kickdrift.world.tables import (
+    COLLIDERS,
+    CONTACT,
+    GEOMETRY,
+    LOST_POINT,
+    MANIFOLD,
+    PLACE,
+    PLACED,
+    SHAPE,
+    flat,
+    floats,
+    integers,
+    rows,
+    set_rows,
+)
+
+_ARRAY = types.Array(types.float64, 1, "C")
+COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
+
+collide = caller(COLLIDE)
+
+_NEAR = 0.2  # of the smaller shape: distance within which a point takes over the impulse of another one
+
+
+@compiled
+def place_shapes(t: float, h: float, world: int) -> None:
+    """Store the poses of all shapes in the world at the start of the step, when none has lost a point."""
+    set_rows(world, LOST_POINT, 0)
+    placed = floats(world, PLACED)
+    for shape in range(rows(world, SHAPE)):
+        at, turn = shape_pose(world, shape)
+        for k in range(3):
+            placed[shape, PLACED_POSITION + k] = at[k]
+        for k in range(4):
+            placed[shape, PLACED_ORIENTATION + k] = turn[k]
+        placed[shape, LAST_LOST] = 0.0
+
+
+@compiled
+def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: float) -> None:
+    """Find the manifold of a contact, for a pose of the second shape in the first's frame, and keep impulses."""
+    contact, manifold, numbers = integers(world, CONTACT), flat(world, MANIFOLD), flat(world, GEOMETRY)
+    shape = integers(world, SHAPE)
+    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+    begin_a, size_a, kind_a = shape[a, BEGIN], shape[a, SIZE], shape[a, SHAPE_KIND]
+    if sort_of(world, a) == SURFACE:
+        begin_a, size_a, kind_a = begin_of(begin_a, contact[row, TRIANGLE_INDEX]), TRIANGLE_SIZE, TRIANGLE
+    begin_b, size_b = shape[b, BEGIN], shape[b, SIZE]
+    own = manifold[MANIFOLD.width * row : MANIFOLD.width * (row + 1)]
+    found = own[FOUND_POSE : FOUND_POSE + 7]
+    moved = minus(at, point_at(own, FOUND_POSE))
+    found[0], found[1], found[2] = at
+    found[3], found[4], found[5], found[6] = turn
+    before = contact[row, POINTS]
+    old = carray(floats_on_stack(OLD_SIZE), (OLD_SIZE,))
+    keep_points(own, before, old)
+    own[LEFT_OUT] = math.inf
+    count = collide(
+        integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
+        (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
+    )
+    contact[row, POINTS] = count
+    if before == 0:
+        contact[row, CONTACT_STATE] |= MOVING
+    place = floats(world, PLACE)
+    near = _NEAR * smallest(place[a, RADIUS], place[b, RADIUS])
+    take_over_impulses(own, old, before, count, near if kind_a != TRIANGLE else 0.0)
+    if kind_a == TRIANGLE:  # the nearest one may be on another triangle
+        lose_points(world, row, old, before, moved, near)
+    own[WIDTH_OF_FACE] = _width(own, count)
+
+
+@compiled
+def _width(own: Any, count: int) -> float:
+    """Return half the smallest width of the face that points span, m; zero for an edge or a point.
+
+    It is that of the rectangle whose corners have the same second moments.
+    """
+    if count < 3:
+        return 0.0
+    along = point_at(own, NORMAL)
+    first = normal_to(along)
+    second = cross(along, first)
+    x, y, xx, yy, xy = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(count):
+        p = POINT + POINT_SIZE * k
+        at = point_at(own, p + ON_A)
+        u, v = dot(first, at), dot(second, at)
+        x, y, xx, yy, xy = x + u, y + v, xx + u * u, yy + v * v, xy + u * v
+    xx, yy, xy = xx / count - (x / count) ** 2, yy / count - (y / count) ** 2, xy / count - x * y / count**2
+    least = 0.5 * (xx + yy) - math.sqrt(0.25 * (xx - yy) ** 2 + xy * xy)
+    return math.sqrt(max(least, 0.0))
+
+
+@compiled(inline=True)
+def smallest(reach_a: float, reach_b: float) -> float:
+    """Return the smaller of two bounding radii, ignoring 0.0, which planes and meshes have."""
+    if reach_a == 0.0:
+        return reach_b
+    return reach_a if reach_b == 0.0 else min(reach_a, reach_b)
+
+
+@compiled(inline=True)
+def radius(world: int, shape: int) -> float:
+    """Return the radius of a shape about its core if that is a point or a segment, m; 0.0 for other shapes."""
+    begin = integers(world, SHAPE)[shape, BEGIN]
+    return flat(world, GEOMETRY)[begin] if core_of(world, shape) == CENTRE else 0.0

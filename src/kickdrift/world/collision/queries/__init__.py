@@ -1,0 +1,1 @@
+"""Spatial queries: ray casts and overlaps."""

@@ -1,0 +1,155 @@
+"""Points of a round of impacts: what is known of them, their speeds, and impulses on their bodies."""
+
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
+from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.impacts.impact_motion import arms_now, constraint, normal_at, vector_of
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    IMPACT_TIME,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    VELOCITY,
+)
+from kickdrift.world.settings import SLOP
+from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, KICKED, MOTION, SETTINGS, floats, integers
+
+# Numbers of a point that hits
+_POINT = Fields()
+TURN_A = _POINT.field(3, "m")  # arm x normal
+TURN_B = _POINT.field(3, "m")
+WANTED = _POINT.field(1, "m/s")  # normal velocity after the impact
+IMPULSE = _POINT.field(1, "N s")
+PLASTIC = _POINT.field(1, "N s")  # impulse that stops it; negative if it does not hit
+POINT_SIZE = _POINT.close()
+
+# Columns of IMPACT
+ROW = column(IMPACT)  # of the contact
+LISTED = column(IMPACT)  # row of the contact in `BOUNCING`
+TIME = column(IMPACT, 1, "s")  # when the first of its points hits
+SPEED = column(IMPACT, 1, "m/s")  # of that point
+APPROACH = column(IMPACT, 1, "m/s")  # its speed where the impulse acts: half way between its two points
+BOUNCE = column(IMPACT)  # coefficient of restitution e
+ARM_A = column(IMPACT, 3, "m")  # from the centres of both bodies to the centre of the contact
+ARM_B = column(IMPACT, 3, "m")
+GRIP = column(IMPACT, 3, "kg")  # inverse of the response to friction
+FRICTION = column(IMPACT, 2, "N s")
+BOUND = column(IMPACT, 1, "N s")  # of friction
+IMPACT_POINTS = column(IMPACT, 4 * POINT_SIZE)
+TIMES = column(IMPACT, 4, "s")  # when the points hit
+NORMAL = column(IMPACT, 3)
+TANGENT = column(IMPACT, 3)  # the first
+
+
+@compiled(inline=True)
+def bodies_of(world: int, hit: int) -> tuple[int, int]:
+    """Return the rows of the bodies of an impact."""
+    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
+    return contact[row, c.BODY_A], contact[row, c.BODY_B]
+
+
+@compiled
+def meet(world: int, hit: Any, least: float) -> None:
+    """Write arms and target velocities of a contact whose bodies are at their impact; points slower than `least` do not hit."""
+    row, kicked, contact = int(hit[ROW]), floats(world, KICKED), integers(world, CONTACT)
+    a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
+    when = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
+    normal = normal_at(world, row, own, when)
+    first = minus(vector_of(own, c.T), times(dot(normal, vector_of(own, c.T)), normal))
+    first = times(1.0 / length(first), first)
+    put_vector(hit, NORMAL, normal)
+    put_vector(hit, TANGENT, first)
+    near, share = 0.1 * floats(world, SETTINGS)[0, SLOP], own[c.SHARE * c.WIDTH]
+    centre_a, centre_b, found, hit[APPROACH] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
+    for k in range(4):
+        hit[IMPACT_POINTS + POINT_SIZE * k + PLASTIC] = -1.0
+        if not (hit[TIMES + k] - when) * hit[SPEED] <= near:
+            continue
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
+        arm_a, arm_b, between = arms_now(world, row, own, k, when, normal)
+        if dot(normal, between) > near:  # it has hit before, and has separated
+            continue
+        arm_a, arm_b = plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between))
+        put_vector(point, TURN_A, cross(arm_a, normal))
+        put_vector(point, TURN_B, cross(arm_b, normal))
+        speed = separating_speed(world, a, b, normal, point)
+        hit[APPROACH] = max(hit[APPROACH], -speed)
+        if speed < -least:
+            point[WANTED], point[IMPULSE], point[PLASTIC] = -hit[BOUNCE] * speed, 0.0, 0.0
+            centre_a, centre_b, found = plus(centre_a, arm_a), plus(centre_b, arm_b), found + 1.0
+    put_vector(hit, ARM_A, times(1.0 / max(found, 1.0), centre_a))
+    put_vector(hit, ARM_B, times(1.0 / max(found, 1.0), centre_b))
+    second = cross(normal, first)
+    k11, k22 = _response(world, a, b, hit, first, first), _response(world, a, b, hit, second, second)
+    k12 = _response(world, a, b, hit, first, second)
+    scale = 1.0 / (k11 * k22 - k12 * k12)
+    put_vector(hit, GRIP, (scale * k22, scale * k11, -scale * k12))
+    hit[FRICTION], hit[FRICTION + 1] = 0.0, 0.0
+
+
+@compiled(inline=True)
+def put_vector(array: Any, at: int, vector: Vector) -> None:
+    """Write a vector into the numbers from `at` on."""
+    array[at], array[at + 1], array[at + 2] = vector
+
+
+@compiled(inline=True)
+def vector_in(array: Any, at: int) -> Vector:
+    """Return the vector in the numbers from `at` on."""
+    return (array[at], array[at + 1], array[at + 2])
+
+
+@compiled
+def _response(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
+    """Return the change of relative velocity along a direction at the centre by a unit impulse along another, 1/kg."""
+    inverse_mass = floats(world, INVERSE_MASS)
+    arm_a, arm_b = vector_in(hit, ARM_A), vector_in(hit, ARM_B)
+    inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
+    inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
+    linear: float = (inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]) * dot(along, other)
+    turned_a: float = dot(cross(arm_a, along), applied(inverse_a, cross(arm_a, other)))
+    turned_b: float = dot(cross(arm_b, along), applied(inverse_b, cross(arm_b, other)))
+    return linear + turned_a + turned_b
+
+
+@compiled(inline=True)
+def separating_speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
+    """Return the normal velocity at which a point of b separates from a, m/s."""
+    motion = floats(world, MOTION)
+    linear = dot(normal, minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
+    speed: float = linear + dot(vector_in(point, TURN_B), vector_at(motion, b, ANGULAR_VELOCITY))
+    return speed - dot(vector_in(point, TURN_A), vector_at(motion, a, ANGULAR_VELOCITY))
+
+
+@compiled(inline=True)
+def apply_impulse(world: int, a: int, b: int, impulse: Vector, turn_a: Vector, turn_b: Vector) -> None:
+    """Apply an impulse to b and its opposite to a, with the angular impulses `turn_b` and -`turn_a`."""
+    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
+    change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
+    change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
+    for k in range(3):
+        motion[a, VELOCITY + k] -= inverse_mass[a, INVERSE_LINEAR_MASS] * impulse[k]
+        motion[b, VELOCITY + k] += inverse_mass[b, INVERSE_LINEAR_MASS] * impulse[k]
+        motion[a, ANGULAR_VELOCITY + k] -= change_a[k]
+        motion[b, ANGULAR_VELOCITY + k] += change_b[k]
+
+
+@compiled(inline=True)
+def press(world: int, a: int, b: int, normal: Vector, point: Any, impulse: float) -> None:
+    """Add an impulse along the normal at a point, N s."""
+    point[IMPULSE] += impulse
+    turn_a, turn_b = times(impulse, vector_in(point, TURN_A)), times(impulse, vector_in(point, TURN_B))
+    apply_impulse(world, a, b, times(impulse, normal), turn_a, turn_b)
+
+
+@compiled
+def normal_impulse(hit: Any) -> float:
+    """Return the sum of the normal impulses of a contact, N s."""
+    total = 0.0
+    for k in range(4):
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
+        total += point[IMPULSE] if point[PLASTIC] >= 0.0 else 0.0
+    return total

@@ -1,0 +1,171 @@
+"""The impulses of a round of impacts, found for all of its points simultaneously.
+
+First the plastic impulses, with which no point approaches any more; then friction, which minimises the energy within Coulomb's
+bound, with corrections of the normal impulses that keep the points at rest along the normal; then the impulses of restitution.
+In this order no impact adds energy, whatever e and friction, while Newton's rule holds exactly: friction acts on the part of
+the motion that restitution leaves alone. After A. Chatterjee and A. Ruina, "A New Algebraic Rigid-Body Collision Law Based on
+Impulse Space Considerations" (1998). Newton's rule with independent friction can add energy (Kane's paradox).
+"""
+
+import math
+from typing import Any
+
+from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import applied, cross, dot, minus, plus, times
+from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.impacts.impact_active_set import solve_pressed
+from kickdrift.world.contacts.impacts.impact_motion import constraint
+from kickdrift.world.contacts.impacts.impact_rows import (
+    ARM_A,
+    ARM_B,
+    BOUNCE,
+    BOUND,
+    FRICTION,
+    GRIP,
+    IMPACT_POINTS,
+    IMPULSE,
+    NORMAL,
+    PLASTIC,
+    POINT_SIZE,
+    ROW,
+    TANGENT,
+    TURN_A,
+    TURN_B,
+    WANTED,
+    apply_impulse,
+    normal_impulse,
+    press,
+    separating_speed,
+    vector_in,
+)
+from kickdrift.world.contacts.impacts.impact_worklist import begin_sweeps, may_change, note_change
+from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, VELOCITY
+from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, MOTION, floats, integers, rows
+
+_BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
+_SWEEPS, _FEW = 400, 50  # at most, and those after which the points that press are solved by elimination
+_PLASTIC, _FRICTION, _THROWN = 0, 1, 2  # parts of a round: impulses that stop, friction, impulses after restitution
+
+
+@compiled
+def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bool) -> float:
+    """Sweep over the points of a contact that hit, and return the largest change of an impulse, N s.
+
+    Their target velocity is zero, or, if `thrown`, that after restitution. Impulses stay above -`least` times the plastic ones.
+    Points with a plastic impulse of zero are included only if `stopping` or `thrown`.
+    """
+    row, contact, inverse_mass = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
+    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
+    normal = vector_in(hit, NORMAL)
+    inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
+    inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
+    largest = 0.0
+    for k in range(4):
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
+        if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
+            continue
+        turn_a, turn_b = vector_in(point, TURN_A), vector_in(point, TURN_B)
+        response = inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]
+        response += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
+        missing = (point[WANTED] if thrown else 0.0) - separating_speed(world, a, b, normal, point)
+        d = max(point[IMPULSE] + missing / response, -least * point[PLASTIC]) - point[IMPULSE]
+        press(world, a, b, normal, point, d)
+        largest = max(largest, abs(d))
+    return largest
+
+
+@compiled
+def _sweep_friction(world: int, hit: Any) -> float:
+    """Do one sweep over the friction of a contact, and return the change of its impulse, N s."""
+    row, contact, motion = int(hit[ROW]), integers(world, CONTACT), floats(world, MOTION)
+    a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
+    first, arm_a, arm_b = vector_in(hit, TANGENT), vector_in(hit, ARM_A), vector_in(hit, ARM_B)
+    second = cross(vector_in(hit, NORMAL), first)
+    slip = minus(
+        plus(vector_at(motion, b, VELOCITY), cross(vector_at(motion, b, ANGULAR_VELOCITY), arm_b)),
+        plus(vector_at(motion, a, VELOCITY), cross(vector_at(motion, a, ANGULAR_VELOCITY), arm_a)),
+    )
+    s1, s2 = dot(slip, first) - own[c.SURFACE_SPEED * c.WIDTH], dot(slip, second) - own[(c.SURFACE_SPEED + 1) * c.WIDTH]
+    k11, k22, k12 = vector_in(hit, GRIP)
+    f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
+    if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding, as in `friction_simd.solve_friction`
+        mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
+        f1, f2 = hit[FRICTION] - mass * s1, hit[FRICTION + 1] - mass * s2
+        scale = min(1.0, hit[BOUND] / (math.sqrt(f1 * f1 + f2 * f2) + 1e-300))
+        f1, f2 = f1 * scale, f2 * scale
+    d1, d2 = f1 - hit[FRICTION], f2 - hit[FRICTION + 1]
+    hit[FRICTION], hit[FRICTION + 1] = f1, f2
+    impulse = plus(times(d1, first), times(d2, second))
+    apply_impulse(world, a, b, impulse, cross(arm_a, impulse), cross(arm_b, impulse))
+    return math.sqrt(d1 * d1 + d2 * d2)
+
+
+@compiled
+def find_impulses(world: int, tolerance: float) -> None:
+    """Find and apply the impulses of a round, in a limited number of sweeps; the next round resolves the rest.
+
+    Sweeps end where no impulse changes by more than `tolerance` times the largest one.
+    """
+    impact, count = floats(world, IMPACT), rows(world, IMPACT)
+    scale, rough = _sweep(world, _PLASTIC, 0.0, tolerance), False
+    for hit in range(count):
+        for k in range(4):
+            p = IMPACT_POINTS + POINT_SIZE * k
+            impact[hit, p + PLASTIC] = impact[hit, p + IMPULSE] if impact[hit, p + PLASTIC] >= 0.0 else -1.0
+        rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
+    if rough:
+        for _ in range(_BOUNDS):
+            _find_friction(world, scale, tolerance)
+    for hit in range(count):
+        _apply_restitution(world, impact[hit])
+    _sweep(world, _THROWN, scale, tolerance)
+
+
+@compiled
+def _sweep(world: int, part: int, scale: float, tolerance: float) -> float:
+    """Sweep over a part of the impulses of a round until none changes; return the largest known, or plastic, impulse, N s."""
+    impact, count = floats(world, IMPACT), rows(world, IMPACT)
+    for hit in range(count):
+        begin_sweeps(world, int(impact[hit, ROW]))
+    for sweep in range(_SWEEPS):
+        settled = True
+        for hit in range(count):
+            if not may_change(world, int(impact[hit, ROW]), sweep):
+                continue
+            change = _sweep_friction(world, impact[hit]) if part == _FRICTION else 0.0
+            least = impact[hit, BOUNCE] if part == _FRICTION else 0.0
+            change = max(change, _sweep_points(world, impact[hit], part == _PLASTIC, least, part == _THROWN))
+            scale = max(scale, normal_impulse(impact[hit])) if part == _PLASTIC else scale
+            if change > tolerance * scale:
+                note_change(world, int(impact[hit, ROW]), sweep)
+                settled = False
+        if settled:
+            break
+        if sweep % _FEW == _FEW - 1:
+            solve_pressed(world, sweep, part == _PLASTIC, part == _FRICTION, part == _THROWN)
+    return scale
+
+
+@compiled
+def _find_friction(world: int, scale: float, tolerance: float) -> None:
+    """Find friction within Coulomb's bound, and the normal impulses that keep normal velocities at zero."""
+    impact, count = floats(world, IMPACT), rows(world, IMPACT)
+    for hit in range(count):
+        total = normal_impulse(impact[hit])
+        for k in range(4):
+            total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
+        impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
+    _sweep(world, _FRICTION, scale, tolerance)
+
+
+@compiled
+def _apply_restitution(world: int, hit: Any) -> None:
+    """Apply e times the plastic impulses of the points of a contact."""
+    row, contact = int(hit[ROW]), integers(world, CONTACT)
+    normal = vector_in(hit, NORMAL)
+    for k in range(4):
+        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
+        d = hit[BOUNCE] * max(point[PLASTIC], 0.0)
+        if d > 0.0:
+            press(world, contact[row, c.BODY_A], contact[row, c.BODY_B], normal, point, d)
