@@ -421,10 +421,14 @@ def test_a_cloth_that_is_lost_ends_the_step_and_leaves_the_world_as_it_was():
     world.step(STEP)
     sheet.velocity[3] = np.nan
     before = sheet.position.copy()
-    with pytest.raises(kd.KickdriftError, match="cloth 0 was lost"):
+    with pytest.raises(kd.KickdriftError, match="vertex 3 of cloth 0 was lost"):
         world.step(STEP)
     assert np.array_equal(sheet.position, before)
     sheet.velocity[3] = 0.0
+    sheet.velocity[7] = 1e200
+    with pytest.raises(kd.KickdriftError, match="vertex 7 of cloth 0 was lost"):
+        world.step(STEP)
+    sheet.velocity[7] = 0.0
     world.step(STEP)
     assert np.isfinite(sheet.position).all()
 

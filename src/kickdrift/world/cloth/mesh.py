@@ -194,7 +194,8 @@ def shared_edges(faces: Integers) -> tuple[Integers, Integers]:
         k = turned[0]
         raise ArgumentError(
             f"triangles {first[k] % count} and {second[k] % count} have opposite orientations at their edge of vertices "
-            f"{start[first[k]]} and {end[first[k]]}; make all of them counter-clockwise as seen from the same side."
+            f"{start[first[k]]} and {end[first[k]]}; make all of them counter-clockwise as seen from the same side, or cut "
+            "a mesh that has only one, as a Moebius strip."
         )
     twins = np.flatnonzero(across[first] == across[second])
     if twins.size:

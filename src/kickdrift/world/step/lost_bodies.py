@@ -3,8 +3,22 @@
 import numpy as np
 
 from kickdrift.core.errors import LostBodyError
+from kickdrift.world.cloth.layout import FIRST_PARTICLE, LAST_PARTICLE, PARTICLE_VELOCITY
 from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, BOUNDING_RADIUS, INVERSE_INERTIA, KINEMATIC, MASS
-from kickdrift.world.tables import BODY, INERTIA, LOAD, MOTION, POSE, RESTED, STARTED_MOTION, STARTED_POSE, Tables
+from kickdrift.world.tables import (
+    BODY,
+    CLOTH,
+    INERTIA,
+    LOAD,
+    MOTION,
+    PARTICLE,
+    POSE,
+    RESTED,
+    STARTED_MOTION,
+    STARTED_PARTICLE,
+    STARTED_POSE,
+    Tables,
+)
 
 _FAR = 1e100  # m or m/s: counts as infinite
 
@@ -58,10 +72,20 @@ def lost_body_error(tables: Tables, body: int, words: str, step: int) -> LostBod
     )
 
 
-def lost_cloth_error(words: str, step: int) -> LostBodyError:
-    """Return the error that names the lost cloth and the step; the world is at the beginning of the step."""
+def find_lost_vertex(tables: Tables, cloth: int) -> int:
+    """Return the number of a vertex of a cloth that was lost, after the step: the one that was fastest before it."""
+    own = tables.array(CLOTH)[cloth]
+    rows = slice(own[FIRST_PARTICLE], own[LAST_PARTICLE])
+    lost = ~(np.abs(tables.array(PARTICLE)[rows]) < _FAR).all(axis=1)
+    before = tables.array(STARTED_PARTICLE)[rows]
+    speeds = np.abs(before[:, PARTICLE_VELOCITY : PARTICLE_VELOCITY + 3]).max(axis=1) + 0.0 * before[:, :3].sum(axis=1)
+    return int(np.argmax(np.where(lost, np.nan_to_num(speeds, nan=np.inf, posinf=np.inf), -1.0)))
+
+
+def lost_cloth_error(words: str, vertex: int, step: int) -> LostBodyError:
+    """Return the error that names the lost cloth, a vertex and the step; the world is at the beginning of the step."""
     return LostBodyError(
-        f"{words} was lost to infinity in step {step}; all bodies and cloths are where they were before it. Its"
-        " positions or velocities were set to values that are not finite, its triangles have no area, or it was"
-        " stretched too fast for the step: use a smaller one."
+        f"vertex {vertex} of {words} was lost to infinity in step {step}; all bodies and cloths are where they were before it."
+        " Positions or velocities were set to values that are not finite, triangles there have no area, or it was stretched"
+        " too fast for the step: use a smaller one."
     )

@@ -27,7 +27,7 @@ from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recordings.recording_rows import Recorder
 from kickdrift.world.step import status as step_status
 from kickdrift.world.step.compiling import compile_step
-from kickdrift.world.step.lost_bodies import find_lost_body, lost_body_error, lost_cloth_error
+from kickdrift.world.step.lost_bodies import find_lost_body, find_lost_vertex, lost_body_error, lost_cloth_error
 from kickdrift.world.step.rollback import roll_back
 from kickdrift.world.step.stage_loop import run
 from kickdrift.world.step.stage_order import Program, Uses, Word, addresses, compose, word
@@ -248,8 +248,9 @@ class DoesSteps:
             roll_back(self.tables)
             return 0
         elif kind == step_status.LOST_CLOTH:
+            vertex = find_lost_vertex(self.tables, body)
             self._go_back(step, LOAD)
-            raise lost_cloth_error(self.cloths.words(body), self.n_steps)
+            raise lost_cloth_error(self.cloths.words(body), vertex, self.n_steps)
         else:
             body = find_lost_body(self.tables, step, body)
             self._go_back(step, LOAD)
