@@ -125,9 +125,9 @@ def monkeypatch_parts(monkeypatch):
     """Return a list to which each step that is done in parts adds something."""
     done, do_parts = [], stepping.do_parts
 
-    def counted(do_part, tables):
+    def counted(do_part, tables, cause):
         done.append(1)
-        do_parts(do_part, tables)
+        do_parts(do_part, tables, cause)
 
     monkeypatch.setattr(stepping, "do_parts", counted)
     return done

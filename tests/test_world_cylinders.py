@@ -204,6 +204,54 @@ def test_cylinders_side_by_side_touch_at_their_sides_wherever_their_ends_are_lev
         assert manifold[:3] == pytest.approx((1.0, 0.0, 0.0), abs=2e-3)
 
 
+@pytest.mark.parametrize("azimuth", [0, 10, 45, 90, 180, 270])
+@pytest.mark.parametrize("tip", [1.0, -1.0])
+@pytest.mark.parametrize(("radius", "height"), [(0.5, 0.4), (0.3, 0.5), (0.5, 2.0)])
+def test_a_can_and_a_cone_beside_it_on_a_floor_are_as_far_apart_as_their_edges(azimuth, tip, radius, height):
+    """Directions that are tried for the search are exact here."""
+    x, y = math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth))
+    turn = [1.0, 0.0, 0.0, 0.0] if tip > 0 else [0.0, 1.0, 0.0, 0.0]
+    reach = 0.5 + radius + 0.01
+    pose = np.array([reach * x, reach * y, height / 2 - 0.5, *turn])
+    can, cone = np.array([0.5, 0.5, 0.5]), np.array([radius, 0.0, height / 2])
+    manifold = np.zeros(64)
+    count = count_contacts((CYLINDER, CONE), can, cone, pose, 0.02, manifold)
+    if tip < 0 and height > 1.0:  # its base is above the can, and its side leaves it
+        assert count == 0
+        return
+    points = manifold[8 : 8 + 8 * count].reshape(count, 8)
+    ahead = rotation_matrix(pose[3:]) @ points[:, 3:6].T + pose[:3, None]
+    assert manifold[:3] == pytest.approx((x, y, 0.0), abs=1e-6)
+    assert (manifold[:3] @ (ahead - points[:, :3].T)).min() == pytest.approx(0.01, abs=1e-8)
+
+
+@pytest.mark.parametrize("second", ROUND)
+@pytest.mark.parametrize("slenderness", [5, 40, 100])
+def test_thin_rods_that_cross_are_separated_perpendicular_to_both(second, slenderness):
+    rng, found = np.random.default_rng(slenderness), 0
+    while found < 300:
+        halves = 10 ** rng.uniform(-0.2, 0.2, 2)
+        radii = halves / slenderness
+        q = rng.normal(size=4)
+        turn = rotation_matrix(q / np.linalg.norm(q))
+        normal = np.cross((0.0, 0.0, 1.0), turn[:, 2])
+        if np.linalg.norm(normal) < 0.3:
+            continue
+        normal /= np.linalg.norm(normal)
+        on_a, on_b = rng.uniform(-0.9, 0.9) * halves[0], rng.uniform(-0.9, 0.0) * halves[1]
+        own = radii[1] if second == CYLINDER else radii[1] * 0.5 * (1.0 - on_b / halves[1])  # of a cone there
+        apart = radii[0] + own + min(rng.uniform(0.0, 0.3) * radii.min(), 0.015)
+        pose = np.concatenate(
+            (on_a * np.array([0, 0, 1.0]) + apart * normal - on_b * turn[:, 2], q / np.linalg.norm(q))
+        )
+        a = np.array([radii[0], radii[0], halves[0]])
+        b = np.array([radii[1], radii[1] if second == CYLINDER else 0.0, halves[1]])
+        manifold = np.zeros(64)
+        assert count_contacts((CYLINDER, second), a, b, pose, 0.02, manifold) > 0
+        assert manifold[:3] @ normal > 0.9
+        found += 1
+
+
 @pytest.mark.parametrize("kind", ROUND)
 def test_a_triangle_is_touched_as_the_box_under_it(kind):
     rng = np.random.default_rng(kind)

@@ -120,9 +120,8 @@ REST_LENGTH = column(FACE_NUMBERS, 1, "m")  # of a segment of a rope, a triangle
 GROUP_CORNERS = column(FACE_GROUP, 24)  # particles: the first corners, the second and the third ones
 RESTS = column(FACE_GROUP)  # row of GROUP_REST
 IN_ROWS = column(FACE_GROUP)  # 1 if the corners are consecutive rows
-ADDED_TO = column(
-    FACE_GROUP, 3
-)  # field to which the forces on the first corners are added, on the second and the third ones
+# field to which the forces on the first corners are added, on the second and the third ones
+ADDED_TO = column(FACE_GROUP, 3)
 column(GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
 column(GROUP_STRAIN, 24)  # strains along warp and weft, and shear, at the last kick
 
@@ -151,19 +150,16 @@ PIN_POSITION = column(PIN_NUMBERS, 3, "m")  # in the body
 TOUCHING_PARTICLE = column(CLOTH_CONTACT)
 TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1 if the body receives the reaction
-IN_LANES = column(
-    CLOTH_CONTACT
-)  # 1 if it and the next seven are of different particles each, move no body and carry nothing
+# 1 if it and the next seven are of different particles each, move no body and carry nothing
+IN_LANES = column(CLOTH_CONTACT)
 # The other end of a segment that touches, the other corners of a triangle; otherwise the particle itself
 OTHER_PARTICLE = column(CLOTH_CONTACT)
 THIRD_PARTICLE = column(CLOTH_CONTACT)
-HELD_BY = column(
-    CLOTH_CONTACT, 3
-)  # the pins of the corners to bodies: see `kickdrift.world.cloth.contacts.pinned_corners`
+# The pins of the corners to bodies: see `kickdrift.world.cloth.contacts.pinned_corners`
+HELD_BY = column(CLOTH_CONTACT, 3)
 CARRIED_BY = column(CLOTH_CONTACT, 3)  # rows of the contacts that carry the corners, or NOTHING
-ON_LOAD_PATH = column(
-    CLOTH_CONTACT
-)  # 1 if it carries another contact, or is carried: see `kickdrift.world.cloth.contacts.load_path`
+# 1 if it carries another contact, or is carried: see `kickdrift.world.cloth.contacts.load_path`
+ON_LOAD_PATH = column(CLOTH_CONTACT)
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contacts.contact_lanes` reads the first eight columns
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
@@ -209,9 +205,8 @@ column(FACE_NORMALS, 6)  # corners of a box around its unit normal
 column(FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it is undetermined
 
 # FACE_STARS
-NEXT_AROUND = column(
-    FACE_STARS, 3
-)  # of each corner, three times a triangle plus its corner: the next one at this particle
+# of each corner, three times a triangle plus its corner: the next one at this particle
+NEXT_AROUND = column(FACE_STARS, 3)
 
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)

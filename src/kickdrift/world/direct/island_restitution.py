@@ -41,15 +41,7 @@ from kickdrift.world.direct.joint_impulses import clear_impulses
 from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HAS_JOINTS, HITS, TANGENT
 from kickdrift.world.joints.layout import ANGULAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
-from kickdrift.world.step.status import (
-    DO_IN_PARTS,
-    EXPECTED_HALVINGS,
-    HALVINGS,
-    MOST_HALVINGS,
-    NONE_EXPECTED,
-    OK,
-    STATUS,
-)
+from kickdrift.world.step.status import DO_LINKAGE_IN_PARTS, HALVINGS, MOST_HALVINGS, OK, STATUS
 from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, STEP_STATUS, integers
 
 _ROUNDS = 30
@@ -69,7 +61,7 @@ def bounce_islands(t: float, h: float, world: int) -> None:
         elif status[0, HALVINGS] < MOST_HALVINGS and _whirls(world, island, h):
             drop_paths(t, h, world)
             if status[0, STATUS] == OK:
-                status[0, STATUS], status[0, EXPECTED_HALVINGS] = DO_IN_PARTS, NONE_EXPECTED
+                status[0, STATUS] = DO_LINKAGE_IN_PARTS
             return
 
 

@@ -81,7 +81,7 @@ class DoesSteps:
         program, recorder = self._ready(step), self.recorder
         status = self.tables.row(STEP_STATUS, 0)
         status[step_status.REACHED], status[step_status.MIDWAY], self._counted = first, 0, (t0, first)
-        done, at, found, chunk, halved = 0, 0, 0, 1, False
+        done, at, found, chunk, halved = 0, 0, 0, 1, step_status.OK
         try:
             while done < count:
                 before, until = done, min(count, done + chunk)
@@ -91,10 +91,10 @@ class DoesSteps:
                     until = min(until, done + recorder.steps_to_row)
                 began = time.perf_counter()
                 try:
-                    if halved or status[step_status.EXPECTED_HALVINGS] > 0:
-                        at = self._do_parts(t0, first + done, step)
+                    if halved != step_status.OK or status[step_status.EXPECTED_HALVINGS] > 0:
+                        at = self._do_parts(t0, first + done, step, halved)
                         program = self._ready(step)  # a part may have asked for stages
-                        reached, halved = first + done + 1, False
+                        reached, halved = first + done + 1, step_status.OK
                     else:
                         reached, at = self._run(program, t0, step, first + done, first + until, at)
                     done = reached - first
@@ -103,7 +103,7 @@ class DoesSteps:
                         reached = int(status[step_status.REACHED])
                         recorder.note(reached - first - before, step, t0 + reached * step, time.perf_counter() - began)
                 if status.item(step_status.STATUS) != step_status.OK:
-                    halved = status[step_status.STATUS] == step_status.DO_IN_PARTS
+                    halved = step_status.halving(status)
                     at = self._help(step, at)
                     program = self._ready(step)
                 else:
@@ -130,11 +130,11 @@ class DoesSteps:
                 "all bodies are where they were before it."
             ) from error
 
-    def _do_parts(self, t0: float, number: int, step: float) -> int:
-        """Do a step in parts; return the set of warnings to be issued."""
+    def _do_parts(self, t0: float, number: int, step: float, cause: int) -> int:
+        """Do a step in parts, for the `cause` of `do_parts`; return the set of warnings to be issued."""
         substeps, found = self.substeps, 0
 
-        def do_part(part: int, parts: int) -> bool:
+        def do_part(part: int, parts: int) -> int:
             nonlocal found
             reached, at = number, 0
             while reached == number:
@@ -145,15 +145,15 @@ class DoesSteps:
                 program = compose(self.word, self._addresses, step / parts, own, part)
                 reached, at = self._run(program, t0, step, number, number + 1, at)
                 if reached == number:
-                    halved = self.tables.row(STEP_STATUS, 0)[step_status.STATUS] == step_status.DO_IN_PARTS
+                    halved = step_status.halving(self.tables.row(STEP_STATUS, 0))
                     at = self._help(step, at)
-                    if halved:
-                        return False
+                    if halved != step_status.OK:
+                        return halved
             found |= at
-            return True
+            return step_status.OK
 
         try:
-            do_parts(do_part, self.tables)
+            do_parts(do_part, self.tables, cause)
         finally:
             self._set_lengths(step, substeps)
         return found
@@ -244,7 +244,7 @@ class DoesSteps:
             self.tables.altered = True
         elif kind == step_status.FULL:
             self.tables.make_room(table, wanted)
-        elif kind in (step_status.BEGIN_AGAIN, step_status.DO_IN_PARTS):
+        elif kind in (step_status.BEGIN_AGAIN, *step_status.HALVED):
             roll_back(self.tables)
             return 0
         elif kind == step_status.LOST_CLOTH:

@@ -13,7 +13,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, dot, length, minus, times
 from kickdrift.world.collision.narrow_phase.capsule_manifold import NEARLY_PARALLEL, STEEP
-from kickdrift.world.collision.narrow_phase.epa import DEEP, overlap_of_frusta, put_overlap
+from kickdrift.world.collision.narrow_phase.epa import DEEP, is_off, overlap_of_frusta, put_overlap
 from kickdrift.world.collision.narrow_phase.face_bias import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.narrow_phase.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
 from kickdrift.world.collision.narrow_phase.frustum_polyhedra import polyhedron_frustum
@@ -34,7 +34,7 @@ from kickdrift.world.shapes.frustum import Frustum, farthest, frustum_of, radial
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
 from kickdrift.world.tables import MANIFOLD
 
-_LEVEL = 1e-7  # sine of the angle to an end or to the line between both rims below which these touch, not one point
+_LEVEL = 1e-7  # sine of the angle below which an end, or the line between both rims, touches as a whole
 _LOWER, _UPPER = tuple(range(SIDES)), tuple(range(SIDES, 2 * SIDES))
 _STEPS = tuple((k, (k + 1) % SIDES) for k in range(SIDES))
 
@@ -79,12 +79,26 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
             return put_overlap(depth, way, x, back, manifold)
     if _may_lie(f, g, frame, normal):
         count = _as_polyhedron(f, g, back, normal, margin, manifold)
-        if count > 0 and gap_along(f, g, frame, _normal(manifold)) > gap - off:
+        fits = count > 1 or (count == 1 and not _is_off(f, g, manifold, tolerance))
+        if fits and gap_along(f, g, frame, _normal(manifold)) > gap - off:
             return count
         count = _as_other_polyhedron(f, g, frame, normal, margin, manifold)
-        if count > 0 and gap_along(f, g, frame, _normal(manifold)) > gap - off:
+        fits = count > 1 or (count == 1 and not _is_off(f, g, manifold, tolerance))
+        if fits and gap_along(f, g, frame, _normal(manifold)) > gap - off:
             return count
-    return _put_one(f, g, frame, normal, gap, manifold)
+    _put_one(f, g, frame, normal, gap, manifold)
+    if gap < 0.0 and _is_off(f, g, manifold, tolerance):
+        depth, way, x = overlap_of_frusta(f, back, g)
+        if depth > 0.0:
+            return put_overlap(depth, way, x, back, manifold)
+    return 1
+
+
+@compiled(inline=True)
+def _is_off(f: Frustum, g: Frustum, manifold: Any, tolerance: float) -> bool:
+    """Whether the contact point of a manifold is outside one of the two."""
+    off: bool = is_off(f, manifold, ON_A, tolerance) or is_off(g, manifold, ON_B, tolerance)
+    return off
 
 
 @compiled(inline=True)
@@ -117,17 +131,17 @@ def _faces(f: Frustum, normal: Vector) -> bool:
 
 
 @compiled
-def _put_one(f: Frustum, g: Frustum, frame: Any, normal: Vector, gap: float, manifold: Any) -> int:
-    """Write the one contact point along a normal: of a rim, or where the lines of two sides cross; return 1."""
+def _put_one(f: Frustum, g: Frustum, frame: Any, normal: Vector, gap: float, manifold: Any) -> None:
+    """Write the one contact point along a normal: of a rim, or where the lines of two sides cross."""
     n = directed_back(frame, times(-1.0, normal))
-    x, y = farthest(f, normal), placed(frame, farthest(g, n))
-    feature = 0
+    x, rim, feature = farthest(f, normal), farthest(g, n), 0
+    y = placed(frame, rim)
     if _has_one(f, normal):
         y = along(x, gap, normal)
         feature = 1 + (x[2] > 0.0)
     elif _has_one(g, n):
         x = along(y, -gap, normal)
-        feature = 3 + (n[2] > 0.0)
+        feature = 3 + (rim[2] > 0.0)
     else:
         middle, way, half = line_of(f, normal)
         other, turned_way, reach = line_of(g, n)
@@ -137,7 +151,6 @@ def _put_one(f: Frustum, g: Frustum, frame: Any, normal: Vector, gap: float, man
         x, y = along(middle, s * half, way), placed(frame, along(other, t * reach, turned_way))
     put_normal(manifold, normal)
     put_point(manifold, 0, x, placed_back(frame, y), _ONE + feature)
-    return 1
 
 
 @compiled(inline=True)
@@ -158,7 +171,7 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, normal: Vector, margin: f
     body = floats_on_stack(_SIZE)
     sine, x, y = lowest_direction(normal, FLAT_ON)
     _set_frustum(body, f, x, y)
-    # on flat ends the corners stay where they are in the body, near or not
+    # On flat ends the corners stay where they are in the body, near or not
     near = SIDES if sine >= FLAT_ON else 0
     return polyhedron_frustum(body, 2 if f[1] > 0.0 else 1, near, g, frame, margin, manifold)
 

@@ -176,11 +176,11 @@ def _edge_farthest(f: Frustum, body: Any, seen: Any, near: int, margin: float) -
 
 @compiled
 def _edge_among(
-    f: Frustum, body: Any, seen: Any, near: int, limit: float, every: bool
+    f: Frustum, body: Any, seen: Any, near: int, limit: float, all_edges: bool
 ) -> tuple[int, float, Vector, float, float]:
     """Find the same among edges nearer than a limit; return also the distance of the nearest edge, 0.0 inside.
 
-    Without `every`, only those count that are as near as any before them.
+    Unless `all_edges` count, only those do that are as near as any before them.
     """
     number, share, normal, best, nearest = _NONE, 0.0, (0.0, 0.0, 1.0), -np.inf, limit
     above, slope = np.inf, 1.0
@@ -199,7 +199,7 @@ def _edge_among(
         distance, _ = signed_distance(f, along(p, t, way))
         if distance > limit:
             continue
-        if not every:
+        if not all_edges:
             nearest = min(nearest, max(distance, 0.0))
         low, size = lowest(seen, n), length(way)
         gap, lift, rise = low - highest(f, n), dot(n, along(p, t, way)) - low, abs(dot(n, way)) / size

@@ -1,7 +1,7 @@
 """The direction that separates two cylinders or cones most, or in which they come apart soonest.
 
-It is the axis of an end, a normal of a side, or that at a point where two rims cross: the best of these. For deep overlaps it
-may be another one (`kickdrift.world.collision.narrow_phase.epa`).
+It is the axis of an end, a normal of a side, or that at a point where two rims cross, whichever separates them most. For deep
+overlaps it may be another one (`kickdrift.world.collision.narrow_phase.epa`).
 """
 
 import math
@@ -16,15 +16,17 @@ from kickdrift.world.collision.narrow_phase.shape_frames import directed, direct
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, farthest, highest, radial, side_normal, signed_distance
 
-_TRIED = 8  # directions about the axis, of which the best one is next to the best of all
+# Directions about the axis that are tried, and two that are perpendicular to both axes: two thin rods that cross are separated
+# in a range as narrow as they are. The minimum is between the best of these and its neighbour.
+_TRIED = 8
 _COS = np.cos(np.arange(_TRIED) * (2.0 * math.pi / _TRIED))
 _SIN = np.sin(np.arange(_TRIED) * (2.0 * math.pi / _TRIED))
-_BISECTIONS, _SAME = 40, 1e-9  # of the chord between two of these; the part of it at which they end
+_ROUNDS, _SAME = 40, 1e-9  # of the search on the chord between two of these, and the part of the chord at which it ends
 _TINY = 1e-300
-_ITERATIONS = 4  # of Newton's method, which starts within the depth of the solution
+_ITERATIONS = 4  # of Newton's method
 
 # In a direction about the axis: a function to be minimised, its slope, and the normal of the two frusta there
-Tried = tuple[float, float, Vector]
+Trial = tuple[float, float, Vector]
 
 in_direction: Any = unbound
 
@@ -59,7 +61,8 @@ def separation(f: Frustum, g: Frustum, frame: Any, back: Any, margin: float) -> 
     normal, gap = _at_ends(f, g, frame)
     if gap > margin:
         return normal, gap
-    own, other = _at_side(f, g, frame, *side_normal(f)), _at_side(g, f, back, *side_normal(g))
+    own = _at_side(f, g, frame, *side_normal(f), frame[2], frame[5])
+    other = _at_side(g, f, back, *side_normal(g), back[2], back[5])
     for n in (own, times(-1.0, directed(frame, other))):
         apart = gap_along(f, g, frame, n)
         if apart > gap:
@@ -69,7 +72,7 @@ def separation(f: Frustum, g: Frustum, frame: Any, back: Any, margin: float) -> 
         distance, _ = signed_distance(g, placed(back, middle))
         if gap > margin or distance - f[upper] > margin:
             continue
-        n = times(-1.0, directed(frame, _at_rim(f, g, back, f[upper], middle[2])))
+        n = times(-1.0, directed(frame, _at_rim(f, g, back, f[upper], middle[2], frame[2], frame[5])))
         apart = gap_along(f, g, frame, n)
         if apart > gap:
             normal, gap = _where_rims_cross(f, g, frame, n, apart)
@@ -124,21 +127,21 @@ def _where_rims_cross(f: Frustum, g: Frustum, frame: Any, normal: Vector, gap: f
 
 
 @compiled(inline=True)
-def _depth_of_rim(f: Frustum, g: Frustum, frame: Any, radius: float, z: float, x: float, y: float) -> Tried:
+def _depth_of_rim(f: Frustum, g: Frustum, frame: Any, radius: float, z: float, x: float, y: float) -> Trial:
     """Return the signed distance of a point of a rim from the second frustum."""
     distance, n = signed_distance(g, placed(frame, (radius * x, radius * y, z)))
     return distance, dot(n, directed(frame, (-y, x, 0.0))), n
 
 
 @compiled(inline=True)
-def _gap_of_side(f: Frustum, g: Frustum, frame: Any, across: float, up: float, x: float, y: float) -> Tried:
+def _gap_of_side(f: Frustum, g: Frustum, frame: Any, across: float, up: float, x: float, y: float) -> Trial:
     """Return the separation along a normal of the side of the first, negated, but for a constant."""
     n = (across * x, across * y, up)
     p = placed(frame, farthest(g, directed_back(frame, times(-1.0, n))))
     return -dot(n, p), p[0] * y - p[1] * x, n
 
 
-def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float) -> Vector:
+def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float, axis_x: float, axis_y: float) -> Vector:
     """Return the normal at the minimum over all directions about the axis of the first frustum.
 
     Parameters
@@ -146,31 +149,37 @@ def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float) -> V
     f, g : (3,) tuple
         Two frusta.
     frame : pointer to floats
-        Frame of one in the other's, as `in_direction` needs it.
+        Frame of the first in the second's for a rim, and of the second in the first's for the side.
     across, up : float
         Components across and along the axis: of the points of a rim, or of the normals of the side.
+    axis_x, axis_y : float
+        Components of the axis of the second across that of the first.
 
     Notes
     -----
     As in `kickdrift.world.shapes.frustum.deepest`, on the chord of an arc: false position (Illinois), every third step a
     bisection. Where the slope jumps, the normals on both sides are combined into one that is perpendicular to the rim.
     """
-    tried, least = 0, np.inf
-    for k in range(_TRIED):
-        distance, _, _ = in_direction(f, g, frame, across, up, _COS[k], _SIN[k])
+    _, v, u = radial(axis_x, axis_y)
+    x, y, least = -u, v, np.inf
+    for k in range(-2, _TRIED):
+        a, b = (_COS[k], _SIN[k]) if k >= 0 else (u, -v) if k == -1 else (-u, v)
+        distance, _, _ = in_direction(f, g, frame, across, up, a, b)
         if distance < least:
-            tried, least = k, distance
-    x, y = _COS[tried], _SIN[tried]
+            x, y, least = a, b, distance
+    n_low: Vector
     _, slope, n_low = in_direction(f, g, frame, across, up, x, y)
-    other = (tried + (1 if slope < 0.0 else _TRIED - 1)) % _TRIED
-    u, v = _COS[other], _SIN[other]
+    if slope == 0.0:
+        return n_low
+    turn = _SIN[1] if slope < 0.0 else -_SIN[1]
+    u, v = _COS[1] * x - turn * y, _COS[1] * y + turn * x
     _, rise, n_high = in_direction(f, g, frame, across, up, u, v)
     if slope > 0.0:
         x, y, u, v, n_low, n_high, slope, rise = u, v, x, y, n_high, n_low, rise, slope
     # The slope changes its sign in between, even if it has changed back at the other end
     fall, rise = min(slope, -_TINY), max(rise, _TINY)
     low, high, below, above = 0.0, 1.0, fall, rise
-    for turn in range(_BISECTIONS):
+    for turn in range(_ROUNDS):
         t = low + (high - low) * below / (below - above) if turn % 3 != 2 else 0.5 * (low + high)
         a, b = x + t * (u - x), y + t * (v - y)
         size = math.sqrt(a * a + b * b)
@@ -189,8 +198,7 @@ def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float) -> V
     share = rise / (rise - fall)
     mean = plus(times(share, n_low), times(1.0 - share, n_high))
     size = length(mean)
-    best: Vector = times(1.0 / size, mean) if size > CROSSED else n_low
-    return best
+    return times(1.0 / size, mean) if size > CROSSED else n_low
 
 
 _at_rim: Any = compiled(specialise(_minimise, "_at_rim", in_direction=_depth_of_rim))
