@@ -74,6 +74,15 @@ def test_new_files_have_the_mode_that_the_process_gives(falling, tmp_path):
     assert stat.S_IMODE(path.stat().st_mode) == 0o640
 
 
+@pytest.mark.parametrize("name", ["orbit", "orbit.kd", "orbit.npz"])
+def test_a_file_is_read_by_the_name_by_which_it_was_written(tmp_path, name):
+    sol = kd.solve(kd.systems.kepler(), (0.0, 1.0), step=0.1)
+    assert sol.save(tmp_path / name).suffix == ".npz"
+    assert np.array_equal(kd.load(tmp_path / name).x, sol.x)
+    with pytest.raises(kd.KickdriftError, match="cannot be read"):
+        kd.load(tmp_path / "other")
+
+
 def test_two_writers_at_once_have_files_of_their_own_and_an_error_leaves_none(tmp_path):
     target = tmp_path / "a.npz"
     with written(target) as one, written(target) as other:

@@ -87,12 +87,18 @@ def _target(path: str | Path) -> Path:
     return target if target.suffix == ".npz" else target.with_name(target.name + ".npz")
 
 
+def _source(path: str | Path) -> str | Path:
+    written_as = Path(f"{path}.npz")
+    return written_as if not os.path.exists(path) and written_as.exists() else path
+
+
 def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str, Any], dict[str, Any]], T]) -> T:
     """Read a file.
 
     Parameters
     ----------
     path : path
+        If there is no such file, ``.npz`` is appended, as `write` does.
     what, writer : str
         Name of the format, and function that writes it, for errors.
     assemble : callable
@@ -105,6 +111,7 @@ def read(path: str | Path, what: str, writer: str, assemble: Callable[[dict[str,
         If there is no such file, or it is of another format, changed or damaged.
     """
     try:
+        path = _source(path)
         if _is_swollen(opened(path)):
             raise FileFormatError(
                 f"path={str(path)!r} would take {_LARGE >> 30} GiB or more in memory, more than {_MOST_TIMES} times"
