@@ -79,12 +79,10 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
             return put_overlap(depth, way, x, back, manifold)
     if _may_lie(f, g, frame, normal):
         count = _as_polyhedron(f, g, back, normal, margin, manifold)
-        fits = count > 1 or (count == 1 and not _is_off(f, g, manifold, tolerance))
-        if fits and gap_along(f, g, frame, _normal(manifold)) > gap - off:
+        if _fits(f, g, frame, manifold, count, gap - off, tolerance):
             return count
         count = _as_other_polyhedron(f, g, frame, normal, margin, manifold)
-        fits = count > 1 or (count == 1 and not _is_off(f, g, manifold, tolerance))
-        if fits and gap_along(f, g, frame, _normal(manifold)) > gap - off:
+        if _fits(f, g, frame, manifold, count, gap - off, tolerance):
             return count
     _put_one(f, g, frame, normal, gap, manifold)
     if gap < 0.0 and _is_off(f, g, manifold, tolerance):
@@ -92,6 +90,15 @@ def frustum_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> 
         if depth > 0.0:
             return put_overlap(depth, way, x, back, manifold)
     return 1
+
+
+@compiled(inline=True)
+def _fits(f: Frustum, g: Frustum, frame: Any, manifold: Any, count: int, least: float, tolerance: float) -> bool:
+    """Whether a manifold separates the two along its normal by more than `least`, with a point that is on both."""
+    if count == 0 or (count == 1 and _is_off(f, g, manifold, tolerance)):
+        return False
+    fits: bool = gap_along(f, g, frame, _normal(manifold)) > least
+    return fits
 
 
 @compiled(inline=True)

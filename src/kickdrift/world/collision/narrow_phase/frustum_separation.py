@@ -171,8 +171,8 @@ def _minimise(f: Frustum, g: Frustum, frame: Any, across: float, up: float, axis
     _, slope, n_low = in_direction(f, g, frame, across, up, x, y)
     if slope == 0.0:
         return n_low
-    turn = _SIN[1] if slope < 0.0 else -_SIN[1]
-    u, v = _COS[1] * x - turn * y, _COS[1] * y + turn * x
+    sine = _SIN[1] if slope < 0.0 else -_SIN[1]
+    u, v = _COS[1] * x - sine * y, _COS[1] * y + sine * x
     _, rise, n_high = in_direction(f, g, frame, across, up, u, v)
     if slope > 0.0:
         x, y, u, v, n_low, n_high, slope, rise = u, v, x, y, n_high, n_low, rise, slope
