@@ -10,7 +10,7 @@ import pytest
 import kickdrift as kd
 from kickdrift.world.step import stepping
 from kickdrift.world.step.rollback import roll_back
-from kickdrift.world.step.status import EXPECTED_HALVINGS
+from kickdrift.world.step.status import BOUNCING_BODY, EXPECTED_HALVINGS, LEFT_BOUNCING, WARNING
 from kickdrift.world.tables import LOAD, MOTION, POSE, STEP_STATUS
 
 STEP = 1 / 60
@@ -145,22 +145,36 @@ def test_a_plate_that_presses_many_light_balls_to_a_wall_stops():
     assert np.abs(plate.velocity).max() < 1e-6
 
 
+def leave_impacts(tables, body):
+    """Note what the stage of bounces notes if it leaves impacts, as it did in one of 600 crushed stacks."""
+    row = tables.row(STEP_STATUS, 0)
+    row[WARNING] |= LEFT_BOUNCING
+    row[BOUNCING_BODY] = body
+
+
 def test_impacts_that_have_no_end_are_said_once():
-    world = crushed(625)
+    world = crushed(13)
+    leave_impacts(world.tables, 4)
     with pytest.warns(
-        kd.UnsolvedWarning, match=r"body \d+ and what it touches .*not all of these impacts were resolved"
+        kd.UnsolvedWarning, match="body 4 and what it touches .*not all of these impacts were resolved"
     ) as said:
         world.advance(STEP, 2)
     assert len(said) == 1
 
 
-@pytest.mark.parametrize(("world", "left"), [(crushed(13), 0), (crushed(625), 1)])
-def test_impacts_left_in_an_attempt_that_is_done_again_are_not_said(world, left, counts):
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
+def test_impacts_left_in_an_attempt_that_is_done_again_are_not_said(monkeypatch):
+    world, attempts = crushed(13), []
+
+    def rolled_back(tables):
+        attempts.append(tables)
+        leave_impacts(tables, 4)
+        roll_back(tables)
+
+    monkeypatch.setattr(stepping, "roll_back", rolled_back)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
         world.step(STEP)
-    assert counts["parts"]
-    assert len(said) == left
+    assert attempts
 
 
 def test_what_is_so_fast_that_it_may_have_passed_is_said_once():

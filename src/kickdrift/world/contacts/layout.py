@@ -50,7 +50,10 @@ REFRESH = column(KERNEL_ADDRESSES)
 REFRESH_FRICTION = column(KERNEL_ADDRESSES)
 MEASURE = column(KERNEL_ADDRESSES)
 LANE_COUNT = column(KERNEL_ADDRESSES)
-SOLVE_EQUATIONS = column(KERNEL_ADDRESSES)  # `kickdrift.world.direct.active_set.solve_island`
+# Functions of the direct solver that `kickdrift.world.direct.island_calls` calls
+SOLVE_EQUATIONS = column(KERNEL_ADDRESSES)
+AIM_JOINTS = column(KERNEL_ADDRESSES)
+REPAIR_POSES = column(KERNEL_ADDRESSES)
 
 # Numbers of a point of a manifold
 _POINT = Fields()

@@ -1,10 +1,6 @@
 """Active-set method: the equations of an island are solved until the solution lies on the assumed pieces of all laws."""
 
-from numba import types
-
-from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
-from kickdrift.world.contacts.layout import SOLVE_EQUATIONS
 from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
 from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
 from kickdrift.world.direct.contact_states import (
@@ -26,24 +22,7 @@ from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.joints.axis_laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
-from kickdrift.world.joints.right_hand_side import write_right_hand_side
-from kickdrift.world.tables import (
-    ISLAND,
-    ISLAND_JOINT,
-    JOINT,
-    KERNEL_ADDRESSES,
-    LINK,
-    LINK_NUMBERS,
-    MOTION,
-    NODE,
-    floats,
-    integers,
-)
-
-_WHOLE, _FLOAT, _TRUTH = types.int64, types.float64, types.boolean
-SOLVE_ISLAND = types.boolean(types.intp, _WHOLE, _FLOAT, _FLOAT, _WHOLE, _TRUTH, _TRUTH)
-
-call = caller(SOLVE_ISLAND)
+from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 # Largest number of solutions with different pieces of laws assumed. With 40, sixteen ragdolls in a heap take 1.7 times as long,
 # 64 balls that settle in a pen twice, and no more scenes of the lab hold; a ball that strikes a wall of 56 blocks leaves its
@@ -66,32 +45,9 @@ _HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT = 5, 1e-6, 1e-7
 _NOTICED_PART, _NOTICED_BOUND = 1e-3, 1e-2
 
 
-@compiled(cached=False)
-def aim_island(world: int, island: int, h: float, mode: int) -> float:
-    """Set the right-hand sides of the joints of an island, and return the largest of their errors, NaN if one is NaN."""
-    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    worst = 0.0
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        link = order[place, 0]
-        off = write_right_hand_side(world, links[link, LINK_JOINT], link, h, mode)
-        worst = worst if off <= worst else off  # keeps NaN
-    return worst
-
-
-@compiled(inline=True)
-def solve(world: int, island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool) -> bool:
-    """Call `solve_island` by its address."""
-    found: bool = call(
-        integers(world, KERNEL_ADDRESSES)[0, SOLVE_EQUATIONS], (world, island, h, ahead, task, afresh, touched)
-    )
-    return found
-
-
 @compiled
 def solve_island(world: int, island: int, h: float, ahead: float, task: int, afresh: bool, touched: bool) -> bool:
     """Solve the equations of an island until all assumed pieces of laws fit, and apply the impulses.
-
-    Stages call it by its address, so that it is compiled once for all of them.
 
     Friction of contacts is bounded by the normal impulses at the start, and then by those of each solution,
     until these bounds hold: with fixed bounds laws are convex, and a solution is found from any start. Bounds by what is no

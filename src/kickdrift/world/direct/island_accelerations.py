@@ -6,12 +6,12 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contact_states import REST, twelve
 from kickdrift.world.direct.contact_wrenches import write_wrench
 from kickdrift.world.direct.direct_bodies import body_of, node_of, place_in
+from kickdrift.world.direct.island_calls import aim_island, solve
 from kickdrift.world.direct.island_velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.joint_impulses import clear_impulses
 from kickdrift.world.direct.layout import (

@@ -3,8 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_states import REST
+from kickdrift.world.direct.island_calls import aim_island, solve
 from kickdrift.world.direct.island_velocities import fastest, kinetic_energy, note_velocities
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, CORRECTION, FIRST_JOINT, FIRST_NODE, LINK_ROW
 from kickdrift.world.direct.loop_closures import has_loops, stay_closings
@@ -21,8 +21,8 @@ REPAIRS = 8
 _SLOW = 0.1
 
 
-@compiled(cached=False)
-def repair(world: int, island: int, h: float) -> None:
+@compiled
+def correct_poses(world: int, island: int, h: float) -> None:
     """Correct the poses of bodies so that joints are satisfied, and note the velocities to go on with.
 
     They are the present ones. In slow islands with loops they are those that lead to the corrected poses, if these have less

@@ -1,16 +1,15 @@
 """Relaxation of islands: the projection of velocities after the drift, and the judgement of the energy that it leaves."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.active_set import aim_island, solve
 from kickdrift.world.direct.contact_states import REST, is_cut, note_impulses
 from kickdrift.world.direct.energy_guard import gained
+from kickdrift.world.direct.island_calls import aim_island, repair, solve
 from kickdrift.world.direct.island_solver import project, solve_at_once
 from kickdrift.world.direct.island_velocities import begin_from_kick
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_relaxation
 from kickdrift.world.direct.layout import GROUP, LOST
 from kickdrift.world.direct.loop_closures import stay_closings
-from kickdrift.world.direct.position_correction import repair
 from kickdrift.world.disjoint_sets import first_of
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.tables import ISLAND, integers

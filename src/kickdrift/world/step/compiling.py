@@ -7,11 +7,9 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.world.collision.narrow_phase.manifolds import COLLIDE
 from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.collision.shape_properties import extents_of
-from kickdrift.world.contacts.contact_solver_simd import KERNEL, KERNELS
-from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
-from kickdrift.world.direct.island_solver import solve_islands
 from kickdrift.world.shapes.record import EXTENT, RAY
 from kickdrift.world.shapes.shape_kinds import KINDS, RAYS
+from kickdrift.world.step.kernels import kernels_of
 from kickdrift.world.step.stage_loop import STAGE
 from kickdrift.world.step.stage_order import Uses, Word, word
 
@@ -39,7 +37,6 @@ def all_jobs() -> list[Job]:
 
 def _jobs(spelt: Word, kinds: Iterable[int], pairs: Iterable[tuple[int, int]]) -> list[Job]:
     stages = [(stage, STAGE) for part in spelt for stage in part]
-    kernels = [(kernel, KERNEL) for kernel in KERNELS.values()]
-    solves = [(solve_island, SOLVE_ISLAND)] if solve_islands in spelt.substep else []
+    kernels = [(kernel.function, kernel.signature) for kernel in kernels_of(spelt)]
     extents = [(kind.extent, EXTENT) for kind in extents_of(kinds) if kind.extent is not None]
-    return [*stages, *solves, *kernels, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)]
+    return [*stages, *kernels, *extents, *((PAIRS[pair], COLLIDE) for pair in pairs)]

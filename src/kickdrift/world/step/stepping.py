@@ -16,17 +16,15 @@ from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.cloth.wind_functions import WINDS
 from kickdrift.world.collision.broad_phase.search_state import TRIES
-from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.batch_division import FEW
-from kickdrift.world.contacts.layout import LANE_COUNT, SOLVE_EQUATIONS, WIDTH
-from kickdrift.world.direct.active_set import SOLVE_ISLAND, solve_island
-from kickdrift.world.direct.island_solver import solve_islands
+from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
 from kickdrift.world.force_functions import FORCES, Force, put_numbers
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints
 from kickdrift.world.recordings.recording_rows import Recorder
 from kickdrift.world.step import status as step_status
 from kickdrift.world.step.compiling import compile_step
+from kickdrift.world.step.kernels import kernels_of
 from kickdrift.world.step.lost_bodies import find_lost_body, find_lost_vertex, lost_body_error, lost_cloth_error
 from kickdrift.world.step.rollback import roll_back
 from kickdrift.world.step.stage_loop import run
@@ -200,11 +198,9 @@ class DoesSteps:
             compile_step(spelt, shapes.kinds, pairs)
             self.compile_time += time.perf_counter() - began
             kernels = self.tables.array(KERNEL_ADDRESSES)[0]
-            for column, kernel in contact_solver_simd.KERNELS.items():
-                kernels[column] = address_of(kernel, contact_solver_simd.KERNEL)
+            for kernel in kernels_of(spelt):
+                kernels[kernel.column] = address_of(kernel.function, kernel.signature)
             kernels[LANE_COUNT] = WIDTH
-            if solve_islands in spelt.substep:
-                kernels[SOLVE_EQUATIONS] = address_of(solve_island, SOLVE_ISLAND)
             shapes.find_functions()
             self._program_step = 0.0  # of no program: it is composed again below
             self._addresses, self._composition = addresses(spelt, self.substeps), composition

@@ -1,0 +1,36 @@
+"""Functions that stages call by their addresses, and which of them a step needs."""
+
+from typing import Any, NamedTuple
+
+from kickdrift.core.compilation import Function
+from kickdrift.world.contacts import contact_solver_simd
+from kickdrift.world.contacts.layout import AIM_JOINTS, REPAIR_POSES, SOLVE_EQUATIONS
+from kickdrift.world.direct.active_set import solve_island
+from kickdrift.world.direct.island_calls import AIM, REPAIR, SOLVE
+from kickdrift.world.direct.island_solver import solve_islands
+from kickdrift.world.direct.position_correction import correct_poses
+from kickdrift.world.direct.right_hand_sides import aim_joints
+from kickdrift.world.joints.prepare import begin_joints
+from kickdrift.world.step.stage_order import Word
+
+
+class Kernel(NamedTuple):
+    """A function with its signature, and the column of the table `KERNEL_ADDRESSES` that holds its address."""
+
+    column: int
+    function: Function
+    signature: Any
+
+
+_CONTACTS = tuple(
+    Kernel(column, function, contact_solver_simd.KERNEL) for column, function in contact_solver_simd.KERNELS.items()
+)
+_ISLANDS = (Kernel(SOLVE_EQUATIONS, solve_island, SOLVE),)
+_JOINTS = (Kernel(AIM_JOINTS, aim_joints, AIM), Kernel(REPAIR_POSES, correct_poses, REPAIR))
+
+
+def kernels_of(spelt: Word) -> tuple[Kernel, ...]:
+    """Return the functions that the stages of a step call by their addresses."""
+    islands = _ISLANDS if solve_islands in spelt.substep else ()
+    joints = _JOINTS if begin_joints in spelt.before else ()
+    return (*_CONTACTS, *islands, *joints)
