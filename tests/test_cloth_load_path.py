@@ -75,6 +75,79 @@ def test_on_a_cloth_on_a_slope_a_body_slides_from_the_angle_of_friction_on(steep
     assert -(body.position - 0.0551 * up) @ along == pytest.approx(slides, rel=0.03, abs=5e-4)
 
 
+def load_on_cloth(seed, length):
+    """Return a world with a random box or cylinder on a stiff cloth on a floor, and the deceleration by its friction."""
+    rng = np.random.default_rng(seed)
+    friction, mass, thickness, (a, b) = (
+        rng.uniform(0.15, 0.8),
+        10 ** rng.uniform(-1, 1),
+        rng.uniform(0.003, 0.008),
+        rng.uniform(0.12, 0.4, 2),
+    )
+    height, yaw, across = rng.uniform(0.03, 0.1), rng.uniform(0, np.pi), int(rng.integers(12, 20))
+    world = kd.World(substeps=int(rng.choice([4, 8])))
+    if rng.random() < 0.5:
+        world.add_box((6, 6, 1), position=(0, 0, -0.5), static=True, friction=friction)
+    else:
+        world.add_plane(friction=friction)
+    fabric = {"damping": 2e-3, "stretch_stiffness": 3000.0, "shear_stiffness": 600.0, "thickness": thickness}
+    size, vertices, at = (length, 1.0), (int(length * across), across), (0, 0, thickness / 2 + 1e-4)
+    cloth = world.add_cloth_grid(size, vertices, position=at, friction=friction, **fabric)
+    start = {"mass": mass, "friction": friction, "position": (0, 0, thickness + 2e-4 + height / 2)}
+    turn = (np.cos(yaw / 2), 0, 0, np.sin(yaw / 2))
+    load = (
+        world.add_cylinder(a / 2, height, **start)
+        if rng.random() < 0.3
+        else world.add_box((a, b, height), orientation=turn, **start)
+    )
+    world.advance(STEP, 40)
+    return world, cloth, load, friction * 9.81
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_load_slides_on_cloth_that_is_held_by_its_friction(seed):
+    world, cloth, load, braking = load_on_cloth(seed, 1.0)
+    cloth.pin(np.flatnonzero(np.abs(cloth.position[:, 0]) > 0.499))
+    load.velocity = (0.8, 0, 0)
+    start = load.position[0]
+    world.advance(STEP, int(0.8 / braking / STEP) + 20)
+    assert load.position[0] - start == pytest.approx(0.8**2 / (2 * braking), rel=0.005)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_cloth_that_is_pulled_away_accelerates_its_load_by_friction(seed):
+    world, cloth, load, most = load_on_cloth(seed, 2.0)
+    edge = np.flatnonzero(cloth.position[:, 0] > 0.999)
+    cloth.pin(edge)
+    for speed in np.linspace(0.5, 3.0, 6):
+        cloth.velocity[edge, 0] = speed
+        world.step(STEP)
+    before = load.velocity[0]
+    world.advance(STEP, 6)
+    assert (load.velocity[0] - before) / (6 * STEP) == pytest.approx(most, rel=0.01)
+
+
+@pytest.mark.parametrize("mass", [0.1, 1.0, 10.0])
+def test_cloth_that_is_pulled_slowly_takes_its_load_along(mass):
+    """The sled feels the friction of both weights, but for pinned vertices, which lie on it. Heavy loads slide back."""
+    world = kd.World()
+    world.add_plane(friction=0.4)
+    fabric = {"damping": 2e-3, "stretch_stiffness": 2000.0, "shear_stiffness": 400.0, "friction": 0.4}
+    cloth = world.add_cloth_grid((1, 1), (21, 21), position=(0, 0, 0.003), **fabric)
+    load = world.add_box((0.4, 0.3, 0.1), position=(0, 0, 0.056), mass=mass, friction=0.4)
+    sled = world.add_box((1, 1, 1), mass=1000.0, position=(0.6, 0, 0.003), velocity=(0.3, 0, 0), collides_with=())
+    cloth.pin(np.flatnonzero(cloth.position[:, 0] > 0.499), sled)
+    weight, momenta, places = 9.81 * (mass + cloth.mass.sum() * 20 / 21), [], []
+    for _ in range(3):
+        for _ in range(60):
+            world.apply_force(sled, (0, 0, 9810.0))
+            world.step(STEP)
+        momenta.append(1000.0 * sled.velocity[0] + mass * load.velocity[0] + (cloth.mass * cloth.velocity[:, 0]).sum())
+        places.append(load.position[0])
+    assert momenta[0] - momenta[2] == pytest.approx(2.0 * 0.4 * weight, rel=0.02)
+    assert places[2] - places[0] == pytest.approx(0.6, rel=0.08 if mass < 5.0 else 0.4)
+
+
 def test_a_book_on_a_fine_tablecloth_does_not_sink_through_it():
     world, _, book, _ = book_on_cloth(vertices=41)
     world.advance(STEP, 120)

@@ -158,7 +158,7 @@ THIRD_PARTICLE = column(CLOTH_CONTACT)
 # The pins of the corners to bodies: see `kickdrift.world.cloth.contacts.pinned_corners`
 HELD_BY = column(CLOTH_CONTACT, 3)
 CARRIED_BY = column(CLOTH_CONTACT, 3)  # rows of the contacts that carry the corners, or NOTHING
-# 1 if it carries another contact, or is carried: see `kickdrift.world.cloth.contacts.load_path`
+# CARRIES or IS_CARRIED of `kickdrift.world.cloth.contacts.load_path`, or 0
 ON_LOAD_PATH = column(CLOTH_CONTACT)
 
 # CLOTH_CONTACT_NUMBERS: `kickdrift.world.cloth.contacts.contact_lanes` reads the first eight columns
@@ -171,9 +171,8 @@ TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the 
 SHARES = column(CLOTH_CONTACT_NUMBERS, 3)  # barycentric coordinates of the point that touches
 CONTACT_IMPULSE = column(CLOTH_CONTACT_NUMBERS, 4, "kg m/s")  # in this part: along the normal, and of friction
 PASSED_FRICTION = column(CLOTH_CONTACT_NUMBERS, 3, "kg m/s")  # on the bodies on both sides of the cloth alone
-PRESSED = column(CLOTH_CONTACT_NUMBERS, 1, "kg m/s")  # sum of normal impulses in the earlier parts of the substep
-RUBBED = column(CLOTH_CONTACT_NUMBERS, 1, "kg m/s")  # sum of the magnitudes of friction in them
-SLIDES = column(CLOTH_CONTACT_NUMBERS)  # 1.0 if the cloth slid past the surface when the part began
+# On a load path: the largest speed of approach after this part, and the velocity of sliding that forces explain
+BRAKED, FORCED_SLIP = column(CLOTH_CONTACT_NUMBERS, 1, "m/s"), column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
 CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # of curvature at the point, otherwise zero
 CONTACT_AXIS = column(CLOTH_CONTACT_NUMBERS, 3)  # along which a round shape is straight; zero for a ball
 

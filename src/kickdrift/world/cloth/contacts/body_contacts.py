@@ -93,7 +93,7 @@ def find_contacts(world: int, h: float) -> None:
             if meets and not _find_between(world, cloth, shape, h, count):
                 return
         cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
-        find_load_paths(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
+        find_load_paths(world, cloth, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
         _group(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
 
 

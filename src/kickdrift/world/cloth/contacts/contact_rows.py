@@ -26,6 +26,7 @@ from kickdrift.world.cloth.layout import (
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     CONTACT_RADIUS,
+    FORCED_SLIP,
     GROUND_VELOCITY,
     HELD_BY,
     MOVES_BODY,
@@ -33,10 +34,7 @@ from kickdrift.world.cloth.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     PASSED_FRICTION,
-    PRESSED,
-    RUBBED,
     SHARES,
-    SLIDES,
     THIRD_PARTICLE,
     TOUCHED_BODY,
     TOUCHED_POINT,
@@ -166,8 +164,7 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     for k in range(4):
         numbers[row, CONTACT_IMPULSE + k] = 0.0
     for k in range(3):
-        numbers[row, PASSED_FRICTION + k] = 0.0
-    numbers[row, PRESSED] = numbers[row, RUBBED] = numbers[row, SLIDES] = 0.0
+        numbers[row, PASSED_FRICTION + k] = numbers[row, FORCED_SLIP + k] = 0.0
     return True
 
 

@@ -13,6 +13,7 @@ from kickdrift.world.cloth.contacts.contact_motion import (
     slip_velocity,
 )
 from kickdrift.world.cloth.contacts.contact_rows import gap_of, shares_of
+from kickdrift.world.cloth.contacts.load_path import IS_CARRIED
 from kickdrift.world.cloth.contacts.loaded_contacts import begin_loaded, resolve_loaded
 from kickdrift.world.cloth.contacts.tilt_stiffness import resist_tilting
 from kickdrift.world.cloth.layout import (
@@ -46,9 +47,6 @@ from kickdrift.world.tables import (
 # by a tenth, and a net with boxes takes a third longer; with 2, they tremble twice as much.
 _SWEEPS, _ENOUGH = 8, 1e-2
 
-# Of half of the thickness: a way in a substep from which on a cloth under a load slides. Slower, it may only be pulled tight.
-_SLOW = 0.05
-
 
 @compiled
 def resolve_contacts(world: int, cloth: int, part: float, push: float, left: float) -> None:
@@ -64,13 +62,11 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
     )
     numbers, particle = floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PARTICLE)
     row, shared, advance = first, False, min(part, left)
-    slow = (
-        _SLOW * floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS] / floats(world, CLOTH_SEARCH)[0, SHARED_PARTS] / part
-    )
+    h = part * floats(world, CLOTH_SEARCH)[0, SHARED_PARTS]
     while row < last:  # on a load path contacts add to each other's impulses: all begin before any is resolved
         if contact[row, ON_LOAD_PATH] != 0:
             shared = True
-            begin_loaded(world, row, part * push, slow)
+            begin_loaded(world, row, part * push, part, left, h)
         row = _after(contact, row)
     row = first
     while row < last:
@@ -80,7 +76,8 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
             shared = shared or contact[row, OTHER_PARTICLE] != contact[row, TOUCHING_PARTICLE]
             if contact[row, ON_LOAD_PATH] == 0:
                 _begin(world, row, part * push, left)
-            _resolve(world, row, part, left)
+            if contact[row, ON_LOAD_PATH] != IS_CARRIED:
+                _resolve(world, row, part, left)
         row = _after(contact, row)
     if shared:
         _iterate(world, cloth, part, left)
@@ -104,18 +101,31 @@ def _iterate(world: int, cloth: int, part: float, left: float) -> None:
     first, last = integers(world, CLOTH)[cloth, FIRST_CONTACT], integers(world, CLOTH)[cloth, LAST_CONTACT]
     radius = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for _ in range(_SWEEPS):
-        row, change = first, 0.0
+        change = _resolve_loads(world, first, last, part, left)
+        row = first
         while row < last:
-            if contact[row, IN_LANES] == 0:
+            if contact[row, IN_LANES] == 0 and contact[row, ON_LOAD_PATH] != IS_CARRIED:
                 change = max(change, _resolve(world, row, part, left))
             row = _after(contact, row)
         if change < _ENOUGH:
             break
+    _resolve_loads(world, first, last, part, left)
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
             resist_tilting(world, row, radius, h, left)
         row = _after(contact, row)
+
+
+@compiled
+def _resolve_loads(world: int, first: int, last: int, part: float, left: float) -> float:
+    """Resolve contacts that others carry, after these, so that cloth under a load is held by what does not move first."""
+    contact, row, change = integers(world, CLOTH_CONTACT), first, 0.0
+    while row < last:
+        if contact[row, IN_LANES] == 0 and contact[row, ON_LOAD_PATH] == IS_CARRIED:
+            change = max(change, resolve_loaded(world, row, left))
+        row = _after(contact, row)
+    return change
 
 
 @compiled
@@ -137,7 +147,7 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
     """Change the impulse of a contact so that it obeys the laws of contact and friction; return the change of speed, m/s."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     if contact[row, ON_LOAD_PATH] != 0:
-        return float(resolve_loaded(world, row, part, left))
+        return float(resolve_loaded(world, row, left))
     shares, n = shares_of(world, row), vector_at(numbers, row, CLOTH_NORMAL)
     inverse_mass = shares[3]
     v = slip_velocity(world, row)

@@ -1,6 +1,8 @@
-"""Friction between the bodies on both sides of a cloth: passed on through it while it does not slide on what carries it.
+"""Friction between the bodies on both sides of a cloth, passed on through it at once.
 
 What one contact loses the other one gains, so that the cloth keeps its velocity; what is left of both bounds acts on the cloth.
+Sweeps over the two contacts of a light particle change the velocities of heavy bodies by its mass over theirs only. All three
+steps, of either contact alone and of both together, lower the same convex function within the same bounds.
 """
 
 import math
@@ -15,10 +17,7 @@ from kickdrift.world.cloth.layout import (
     CONTACT_IMPULSE,
     MOVES_BODY,
     PASSED_FRICTION,
-    PRESSED,
-    RUBBED,
     SHARES,
-    SLIDES,
     TOUCHED_BODY,
     TOUCHED_POINT,
 )
@@ -28,13 +27,13 @@ from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, floats,
 
 @compiled
 def pass_on_friction(world: int, row: int, slip: Vector, response: float, left: float) -> None:
-    """Let bodies on both sides of a cloth stop each other from sliding, unless it slides on the one that carries it.
+    """Let bodies on both sides of a cloth change the velocity at which they slide past each other by -`slip`, m/s.
 
-    `slip` is the velocity at which the cloth slides past the other one, m/s, and `response` the inverse mass of that one, 1/kg.
+    `response` is their inverse mass along it, 1/kg.
     """
     numbers = floats(world, CLOTH_CONTACT_NUMBERS)
     own, before = vector_at(numbers, row, CONTACT_IMPULSE + 1), vector_at(numbers, row, PASSED_FRICTION)
-    friction = (0.0, 0.0, 0.0) if _slides_below(world, row) else minus(before, times(1.0 / response, slip))
+    friction = minus(before, times(1.0 / response, slip)) if response > 0.0 else before
     friction = minus(within(plus(own, friction), friction_bound(world, row)), own)
     friction = times(_part_held(world, row, before, friction), friction)
     change = minus(friction, before)
@@ -49,44 +48,16 @@ def pass_on_friction(world: int, row: int, slip: Vector, response: float, left: 
 
 @compiled(inline=True)
 def friction_bound(world: int, row: int) -> float:
-    """Return Coulomb's bound of the friction of a contact on a load path in a part, N s.
-
-    Bodies get their weight at the start of the substep, and press most in its first part: the law holds for the sums over all
-    parts.
-    """
+    """Return Coulomb's bound of the friction of a contact on a load path in this part, N s."""
     numbers = floats(world, CLOTH_CONTACT_NUMBERS)
-    pressed = numbers[row, PRESSED] + numbers[row, CONTACT_IMPULSE]
-    bound: float = max(numbers[row, CONTACT_FRICTION] * pressed - numbers[row, RUBBED], 0.0)
+    bound: float = numbers[row, CONTACT_FRICTION] * numbers[row, CONTACT_IMPULSE]
     return bound
-
-
-@compiled
-def end_part(world: int, row: int) -> None:
-    """Add the impulses of the last part to the sums of the substep, and forget them."""
-    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
-    friction = plus(vector_at(numbers, row, CONTACT_IMPULSE + 1), vector_at(numbers, row, PASSED_FRICTION))
-    numbers[row, PRESSED] += numbers[row, CONTACT_IMPULSE]
-    numbers[row, RUBBED] += length(friction)
-    for k in range(4):
-        numbers[row, CONTACT_IMPULSE + k] = 0.0
-    for k in range(3):
-        numbers[row, PASSED_FRICTION + k] = 0.0
 
 
 @compiled(inline=True)
 def within(v: Vector, most: float) -> Vector:
     """Return a vector, shortened to a length."""
     return times(min(most / max(length(v), 1e-300), 1.0), v)
-
-
-@compiled(inline=True)
-def _slides_below(world: int, row: int) -> bool:
-    """Whether the cloth at a contact slides on what carries it."""
-    slides = False
-    for k in range(3):
-        on = integers(world, CLOTH_CONTACT)[row, CARRIED_BY + k]
-        slides = slides or (on >= 0 and floats(world, CLOTH_CONTACT_NUMBERS)[on, SLIDES] != 0.0)
-    return slides
 
 
 @compiled
