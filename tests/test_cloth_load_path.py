@@ -75,6 +75,17 @@ def test_on_a_cloth_on_a_slope_a_body_slides_from_the_angle_of_friction_on(steep
     assert -(body.position - 0.0551 * up) @ along == pytest.approx(slides, rel=0.03, abs=5e-4)
 
 
+@pytest.mark.parametrize("step", [0.01, 0.010000001])
+def test_a_box_that_falls_onto_cloth_does_not_sink_in_at_any_step(step):
+    """With 0.01 s and three substeps, the parts of a substep do not add up to it in the last digit."""
+    world = kd.World(substeps=3)
+    world.add_plane()
+    world.add_cloth_grid((1, 1), (21, 21), position=(0, 0, 0.003))
+    box = world.add_box((0.2, 0.2, 0.1), position=(0, 0, 0.07), velocity=(0, 0, -3), mass=1.0)
+    world.advance(step, 12)
+    assert box.position[2] == pytest.approx(0.055, abs=3e-4)
+
+
 def load_on_cloth(seed, length):
     """Return a world with a random box or cylinder on a stiff cloth on a floor, and the deceleration by its friction."""
     rng = np.random.default_rng(seed)

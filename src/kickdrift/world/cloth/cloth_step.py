@@ -94,7 +94,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
                     fill_lanes(world, cloth)
             if k % each == 0 and k < parts:
                 begin_interval(world)
-            _move(world, part, k == 0, k == parts, h - k * part)
+            _move(world, part, k == 0, k == parts, h - k * part if k < parts else 0.0)  # without rounding errors
         elif k == parts:
             _stop(world, part, each * part)
             break
