@@ -26,7 +26,6 @@ from kickdrift.world.cloth.layout import (
     CONTACT_FRICTION,
     CONTACT_IMPULSE,
     CONTACT_RADIUS,
-    FORCED_SLIP,
     GROUND_VELOCITY,
     HELD_BY,
     MOVES_BODY,
@@ -164,7 +163,7 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     for k in range(4):
         numbers[row, CONTACT_IMPULSE + k] = 0.0
     for k in range(3):
-        numbers[row, PASSED_FRICTION + k] = numbers[row, FORCED_SLIP + k] = 0.0
+        numbers[row, PASSED_FRICTION + k] = 0.0
     return True
 
 

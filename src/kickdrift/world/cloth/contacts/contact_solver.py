@@ -80,7 +80,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
                 _resolve(world, row, part, left)
         row = _after(contact, row)
     if shared:
-        _iterate(world, cloth, part, left)
+        _iterate(world, cloth, part, left, h)
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
@@ -95,13 +95,13 @@ def _after(contact: Any, row: int) -> int:
 
 
 @compiled
-def _iterate(world: int, cloth: int, part: float, left: float) -> None:
+def _iterate(world: int, cloth: int, part: float, left: float, h: float) -> None:
     """Iterate the impulses of contacts that share particles until they change little, and apply torques against tilting."""
-    contact, h = integers(world, CLOTH_CONTACT), part * floats(world, CLOTH_SEARCH)[0, SHARED_PARTS]
+    contact = integers(world, CLOTH_CONTACT)
     first, last = integers(world, CLOTH)[cloth, FIRST_CONTACT], integers(world, CLOTH)[cloth, LAST_CONTACT]
     radius = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for _ in range(_SWEEPS):
-        change = _resolve_loads(world, first, last, part, left)
+        change = _resolve_loads(world, first, last, left)
         row = first
         while row < last:
             if contact[row, IN_LANES] == 0 and contact[row, ON_LOAD_PATH] != IS_CARRIED:
@@ -109,7 +109,7 @@ def _iterate(world: int, cloth: int, part: float, left: float) -> None:
             row = _after(contact, row)
         if change < _ENOUGH:
             break
-    _resolve_loads(world, first, last, part, left)
+    _resolve_loads(world, first, last, left)
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
@@ -118,7 +118,7 @@ def _iterate(world: int, cloth: int, part: float, left: float) -> None:
 
 
 @compiled
-def _resolve_loads(world: int, first: int, last: int, part: float, left: float) -> float:
+def _resolve_loads(world: int, first: int, last: int, left: float) -> float:
     """Resolve contacts that others carry, after these, so that cloth under a load is held by what does not move first."""
     contact, row, change = integers(world, CLOTH_CONTACT), first, 0.0
     while row < last:

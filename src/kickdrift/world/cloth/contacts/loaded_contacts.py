@@ -48,7 +48,7 @@ def begin_loaded(world: int, row: int, most: float, part: float, left: float, h:
     move_out(world, row, n, min(most, room_below(world, row)))
     if contact[row, ON_LOAD_PATH] == IS_CARRIED:
         approach = dot(n, minus(slip_velocity(world, row), slip_below(world, row)))
-        pull = tangential(acceleration(world, contact[row, TOUCHED_BODY]), n)
+        pull = _tangential(acceleration(world, contact[row, TOUCHED_BODY]), n)
         forced = times(-max(left - 0.5 * part, 0.0), pull)
     numbers[row, BRAKED] = _braked(approach, max(gap_of(world, row), 0.0), part, left, h)
     for k in range(3):
@@ -88,7 +88,7 @@ def resolve_loaded(world: int, row: int, left: float) -> float:
     give_impulse(world, row, shares, impulse, left)
     pass_on_pressure(world, row, now - before, left)
     if is_carried(world, row):
-        slip = tangential(minus(slip_velocity(world, row), slip_below(world, row)), n)
+        slip = _tangential(minus(slip_velocity(world, row), slip_below(world, row)), n)
         slip = _without(vector_at(numbers, row, FORCED_SLIP), slip)
         way = _direction(slip)
         pass_on_friction(world, row, slip, response_of_bodies(world, row, way) + response_below(world, row, way), left)
@@ -100,7 +100,7 @@ def resolve_loaded(world: int, row: int, left: float) -> float:
 
 
 @compiled(inline=True)
-def tangential(v: Vector, n: Vector) -> Vector:
+def _tangential(v: Vector, n: Vector) -> Vector:
     """Return the part of a vector across a unit vector."""
     return minus(v, times(dot(n, v), n))
 
@@ -123,7 +123,7 @@ def _friction(world: int, row: int, inverse_mass: float) -> Vector:
     numbers = floats(world, CLOTH_CONTACT_NUMBERS)
     n, friction = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, CONTACT_IMPULSE + 1)
     v = slip_velocity(world, row)
-    slip = _without(vector_at(numbers, row, FORCED_SLIP), tangential(v, n))
+    slip = _without(vector_at(numbers, row, FORCED_SLIP), _tangential(v, n))
     if dot(slip, slip) > 0.0:
         friction = minus(friction, times(1.0 / (inverse_mass + response_of_bodies(world, row, _direction(slip))), slip))
     # What is passed on through the cloth is bounded by what passes it: an excess of it would throw the cloth.

@@ -1,0 +1,75 @@
+"""Boxes and cylinders on cloth that lies on a floor: how far they slide, and how fast cloth that is pulled away makes them.
+
+``python tests/loads_on_cloth.py --starts 70`` prints both over what Coulomb's law says, for so many random loads.
+"""
+
+import argparse
+
+import numpy as np
+
+import kickdrift as kd
+
+STEP = 1 / 60
+
+
+def load_on_cloth(seed, length):
+    """Return a world with a random load at rest on a stiff cloth, and the deceleration by its friction, m/s^2."""
+    rng = np.random.default_rng(seed)
+    friction, mass, thickness = rng.uniform(0.15, 0.8), 10 ** rng.uniform(-1, 1), rng.uniform(0.003, 0.008)
+    (a, b), height, yaw = rng.uniform(0.12, 0.4, 2), rng.uniform(0.03, 0.1), rng.uniform(0, np.pi)
+    across, world = int(rng.integers(12, 20)), kd.World(substeps=int(rng.choice([4, 8])))
+    if rng.random() < 0.5:
+        world.add_box((6, 6, 1), position=(0, 0, -0.5), static=True, friction=friction)
+    else:
+        world.add_plane(friction=friction)
+    fabric = {"damping": 2e-3, "stretch_stiffness": 3000.0, "shear_stiffness": 600.0, "thickness": thickness}
+    size, vertices, at = (length, 1.0), (int(length * across), across), (0, 0, thickness / 2 + 1e-4)
+    cloth = world.add_cloth_grid(size, vertices, position=at, friction=friction, **fabric)
+    start = {"mass": mass, "friction": friction, "position": (0, 0, thickness + 2e-4 + height / 2)}
+    if rng.random() < 0.3:
+        load = world.add_cylinder(a / 2, height, **start)
+    else:
+        load = world.add_box((a, b, height), orientation=(np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)), **start)
+    world.advance(STEP, 40)
+    return world, cloth, load, friction * 9.81
+
+
+def distance(seed):
+    """Distance over which a load of 0.8 m/s slides on cloth that is held, over v^2 / (2 mu g)."""
+    world, cloth, load, braking = load_on_cloth(seed, 1.0)
+    cloth.pin(np.flatnonzero(np.abs(cloth.position[:, 0]) > 0.499))
+    load.velocity = (0.8, 0, 0)
+    start = load.position[0]
+    world.advance(STEP, int(0.8 / braking / STEP) + 20)
+    return (load.position[0] - start) / (0.8**2 / (2 * braking))
+
+
+def acceleration(seed, speed=3.0):
+    """Acceleration of a load as the cloth under it is pulled away with a speed, m/s, over mu g."""
+    world, cloth, load, most = load_on_cloth(seed, 2.0)
+    edge = np.flatnonzero(cloth.position[:, 0] > 0.999)
+    cloth.pin(edge)
+    for part in np.linspace(1 / 6, 1.0, 6):
+        cloth.velocity[edge, 0] = part * speed
+        world.step(STEP)
+    before = load.velocity[0]
+    world.advance(STEP, 6)
+    return (load.velocity[0] - before) / (6 * STEP) / most
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--starts", type=int, default=70)
+    starts = parser.parse_args().starts
+    print("| what | median | least | most | off by more than 1 % |\n| --- | --- | --- | --- | --- |")
+    for what, measure in (("distance", distance), ("acceleration at 3 m/s", acceleration)):
+        found = np.array([measure(seed) for seed in range(starts)])
+        off = int((np.abs(found - 1.0) > 0.01).sum())
+        print(
+            f"| {what} | {np.median(found):.4f} | {found.min():.4f} | {found.max():.4f} | {off} of {starts} |",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
