@@ -1,6 +1,7 @@
-"""Boxes and cylinders on cloth that lies on a floor: how far they slide, and how fast cloth that is pulled away makes them.
+"""Boxes and cylinders on cloth that lies on a floor or on other bodies: how they slide, and how still they stand.
 
-``python tests/loads_on_cloth.py --starts 70`` prints both over what Coulomb's law says, for so many random loads.
+``python tests/loads_on_cloth.py --starts 70`` prints for so many random loads how far they slide, and how fast cloth that is
+pulled away makes them, both over what Coulomb's law says; and how far loads on cloth on one to three loose boxes move in 2 s.
 """
 
 import argparse
@@ -57,6 +58,42 @@ def acceleration(seed, speed=3.0):
     return (load.velocity[0] - before) / (6 * STEP) / most
 
 
+def stack_with_cloth(seed):
+    """Return a world and its bodies: up to two loads on cloth on up to three boxes, of 0.2 to 20 kg each, somewhat askew."""
+    rng = np.random.default_rng(seed)
+    world, bodies, top, edge = kd.World(substeps=int(rng.choice([4, 8]))), [], 0.0, rng.uniform(0.25, 0.4)
+    world.add_plane(friction=0.6)
+    for _ in range(rng.integers(1, 4)):
+        height, yaw, friction = rng.uniform(0.08, 0.25), rng.uniform(0, 0.3), rng.uniform(0.4, 0.8)
+        at = {"position": (0, 0, top + height / 2), "orientation": (np.cos(yaw / 2), 0, 0, np.sin(yaw / 2))}
+        bodies.append(world.add_box((edge, edge, height), mass=10 ** rng.uniform(-0.5, 1.2), friction=friction, **at))
+        top += height + 1e-4
+    thickness, across = rng.uniform(0.003, 0.008), int(rng.integers(15, 26))
+    fabric = {"thickness": thickness, "friction": rng.uniform(0.3, 0.7), "damping": 1e-3}
+    world.add_cloth_grid((0.8, 0.8), (across, across), position=(0, 0, top + thickness / 2 + 1e-4), **fabric)
+    top += thickness + 2e-4
+    size, (x, y) = edge * rng.uniform(0.3, 0.7), edge * rng.uniform(-0.1, 0.1, 2)
+    for _ in range(rng.integers(1, 3)):
+        height, yaw, mass = rng.uniform(0.05, 0.15), rng.uniform(0, 3), 10 ** rng.uniform(-0.7, 1.3)
+        at = {"position": (x, y, top + height / 2), "mass": mass}
+        if rng.random() < 0.3:
+            bodies.append(world.add_cylinder(size / 2, height, **at))
+        else:
+            turn = (np.cos(yaw / 2), 0, 0, np.sin(yaw / 2))
+            bodies.append(world.add_box((size, size, height), orientation=turn, **at))
+        top, size = top + height + 1e-4, 0.8 * size
+    return world, bodies
+
+
+def creep(seed):
+    """Distance by which a body of a stack with cloth in it moves in 2 s, mm."""
+    world, bodies = stack_with_cloth(seed)
+    world.advance(STEP, 60)
+    before = np.array([body.position for body in bodies])
+    world.advance(STEP, 120)
+    return 1e3 * np.abs(np.array([body.position for body in bodies]) - before).max()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--starts", type=int, default=70)
@@ -69,6 +106,11 @@ def main():
             f"| {what} | {np.median(found):.4f} | {found.min():.4f} | {found.max():.4f} | {off} of {starts} |",
             flush=True,
         )
+    found = np.array([creep(seed) for seed in range(starts)])
+    far = int((found > 0.5).sum())
+    print(
+        f"| moves in 2 s, mm | {np.median(found):.4f} | {found.min():.4f} | {found.max():.4f} | {far} of {starts} by 0.5 mm |"
+    )
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from loads_on_cloth import acceleration, distance
+from loads_on_cloth import acceleration, creep, distance
 
 import kickdrift as kd
 
@@ -28,16 +28,40 @@ def book_on_cloth(mass=1.0, vertices=21, ground="plane", book_first=False):
 @pytest.mark.parametrize("book_first", [False, True])
 @pytest.mark.parametrize("vertices", [11, 21])
 @pytest.mark.parametrize(
-    ("ground", "mass"),
-    [*((ground, mass) for ground in ("plane", "box") for mass in (0.1, 1.0, 10.0)), ("table", 0.1), ("table", 1.0)],
+    ("ground", "mass"), [(ground, mass) for ground in ("plane", "box", "table") for mass in (0.1, 1.0, 10.0)]
 )
 def test_a_book_on_a_tablecloth_does_not_sink_through_it(ground, mass, vertices, book_first):
     world, _, book, table = book_on_cloth(mass, vertices, ground, book_first)
     world.advance(STEP, 120)
-    loose = ground == "table"
-    top = table.position[2] + 0.25 if loose else 0.0
-    assert book.position[2] - 0.05 - top == pytest.approx(0.005, abs=1e-3 if loose else 2e-4)
-    assert np.abs(book.velocity).max() < (0.03 if loose else 0.01)
+    top = table.position[2] + 0.25 if ground == "table" else 0.0
+    assert book.position[2] - 0.05 - top == pytest.approx(0.005, abs=4e-4 if ground == "table" else 2e-4)
+    assert np.abs(book.velocity).max() < 0.001
+
+
+@pytest.mark.parametrize("load", [5.0, 50.0])
+def test_a_loose_table_does_not_sink_in_under_a_load_on_its_cloth(load):
+    world, _, book, table = book_on_cloth(load, ground="table")
+    world.advance(STEP, 120)
+    assert table.position[2] == pytest.approx(0.25, abs=2e-4)
+    assert np.abs([book.velocity, table.velocity]).max() < 0.001
+
+
+@pytest.mark.parametrize("seed", [0, 2, 14, 23, 24, 29])
+def test_stacks_with_cloth_in_them_stand_still(seed):
+    """Masses of 0.2 to 20 kg in any order."""
+    assert creep(seed) < 0.5
+
+
+def test_momentum_where_cloth_lies_between_bodies_that_are_free():
+    """What contacts hold acts a substep later, and nothing is lost."""
+    world = kd.World(gravity=(0, 0, 0))
+    boxes = [world.add_box((0.3, 0.3, 0.1), position=(0, 0, z), mass=1.0) for z in (0.05, 0.1502)]
+    world.add_cloth_grid((0.4, 0.4), (11, 11), position=(0, 0, 0.203))
+    boxes.append(world.add_box((0.2, 0.2, 0.1), position=(0, 0, 0.27), velocity=(0, 0, -2.0), mass=5.0))
+    momentum = world.momentum()
+    world.advance(STEP, 60)
+    assert world.momentum() == pytest.approx(momentum, abs=1e-9)
+    assert max(body.velocity[2] for body in boxes) < -0.5
 
 
 def test_a_book_on_a_tablecloth_that_is_pulled_goes_with_it():

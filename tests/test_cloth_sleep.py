@@ -90,5 +90,8 @@ def test_a_ball_on_a_sheet_that_moves_stays_awake_and_sleeps_with_it():
     world.advance(STEP, 60)
     assert ball.position[2] == height
     sheet.unpin(index[0])
-    world.advance(STEP, 60)
-    assert ball.position[2] < height - 0.01
+    lowest = height
+    for _ in range(30):
+        world.step(STEP)
+        lowest = min(lowest, ball.position[2])
+    assert lowest < height - 0.01

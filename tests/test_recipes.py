@@ -353,7 +353,11 @@ def test_a_new_stage(house):
     gusts = f"GUSTS = Table({place}, 1, whole=True)  # one row: see `kickdrift.world.wind`\n"
     house.line("world/tables.py", "\n_LAST = ", gusts)
     house.line("world/step/stage_order.py", "\nStages = tuple", "from kickdrift.world.wind import blow\n")
-    house.line("world/step/stage_order.py", "    return begin_forces, *uses.forces\n", GUSTING)
+    house.line(
+        "world/step/stage_order.py",
+        "    return begin_forces, *when(uses.cloths, predict_loads), *uses.forces\n",
+        GUSTING,
+    )
     code = """
 from kickdrift.world.tables import GUSTS
 world = kd.World(gravity=(0.0, 0.0, 0.0))

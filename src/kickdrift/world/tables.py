@@ -37,6 +37,7 @@ LOAD = Table(5, 8)  # forces that users apply during the next step
 RESTED = Table(36, 12)
 FORCE = Table(35, 12)  # in this substep
 KICKED = Table(6, 24)  # data that `kickdrift.world.integration` carries from kick to drift
+CLOTH_LOAD = Table(109, 60)  # of cloths on bodies
 NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver; or while impacts are found, support
 BODY = Table(7, 16, whole=True)
 # Shapes
@@ -114,7 +115,7 @@ FACE_NUMBERS = Table(71, 8)
 COUPLING, COUPLING_NUMBERS = Table(73, 1, whole=True), Table(81, 1)  # of a particle with another one, by bending
 CURVED_FACE, CURVED_FACE_NUMBERS = Table(82, 8, whole=True), Table(83, 8)  # a triangle that is curved at rest
 PIN, PIN_NUMBERS = Table(74, 2, whole=True), Table(75, 4)
-CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 13, whole=True), Table(77, 30)
+CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 13, whole=True), Table(77, 26)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)

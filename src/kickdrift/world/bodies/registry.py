@@ -43,6 +43,7 @@ from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shapes.mass_properties import Mass, checked_inertia
 from kickdrift.world.tables import (
     BODY,
+    CLOTH_LOAD,
     COLOURED,
     DELTA_POSE,
     FORCE,
@@ -126,6 +127,7 @@ class Bodies:
         row = self.row(body)
         for table in _TABLES:
             self.tables.array(table)[row] = 0
+        self.tables.array(CLOTH_LOAD)[row : row + 1] = 0  # a table that is empty until there are cloths
         self.tables.array(POSE)[row] = np.nan
         self.tables.array(BODY)[row, BODY_KIND] = REMOVED
         self.names.give(row, None)

@@ -18,6 +18,13 @@ from kickdrift.world.cloth.collision.continuous_collision import stop_crossings
 from kickdrift.world.cloth.collision.pair_impulses import begin_interval, hold_pairs, resolve_pairs
 from kickdrift.world.cloth.collision.swept_bounds import find_strays, set_frame, travels
 from kickdrift.world.cloth.contacts.contact_solver import resolve_contacts
+from kickdrift.world.cloth.contacts.predicted_loads import (
+    begin_loads,
+    measure_loads,
+    note_loads,
+    roll_back_loads,
+    take_back_loads,
+)
 from kickdrift.world.cloth.forces.aerodynamics import add_wind
 from kickdrift.world.cloth.forces.bending import add_bending
 from kickdrift.world.cloth.forces.elasticity import add_elasticity, stiffening
@@ -94,7 +101,9 @@ def move_cloths(t: float, h: float, world: int) -> None:
                     fill_lanes(world, cloth)
             if k % each == 0 and k < parts:
                 begin_interval(world)
-            _move(world, part, k == 0, k == parts, h - k * part if k < parts else 0.0)  # without rounding errors
+            left = h - k * part if k < parts else 0.0  # without rounding errors
+            take_back_loads(world, (0.5 if k == 0 or k == parts else 1.0) / parts, h, left)
+            _move(world, part, k == 0, k == parts, left)
         elif k == parts:
             _stop(world, part, each * part)
             break
@@ -104,6 +113,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
             return
         search[0, TURN] = at + 1
     search[0, TURN] = 0.0
+    measure_loads(world, h)
     for cloth in range(rows(world, CLOTH)):
         _check(world, cloth)
 
@@ -112,6 +122,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
 def _begin(world: int, h: float) -> None:
     """Apply the wind, and choose the number of parts of the substep, and that of the parts of an interval."""
     search, parts, least = floats(world, CLOTH_SEARCH), 1, math.inf
+    begin_loads(world, h)
     for cloth in range(rows(world, CLOTH)):
         parts = max(parts, integers(world, CLOTH)[cloth, PARTS] * _parts_of_strain(world, cloth))
         least = min(least, 2.0 * floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS])
@@ -261,6 +272,8 @@ def _check(world: int, cloth: int) -> None:
 def begin_cloths(t: float, h: float, world: int) -> None:
     """Save the state of cloths for a rollback, and note whether the user has moved them while they slept."""
     search, own, moved = floats(world, CLOTH_SEARCH), integers(world, CLOTH), False
+    if not note_loads(world):
+        return
     search[0, SEARCH_STATE], search[0, SEARCH_AGE], search[0, TURN] = INVALID, 0.0, 0.0
     set_rows(world, CLOTH_PAIR, 0)
     now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
@@ -274,6 +287,7 @@ def begin_cloths(t: float, h: float, world: int) -> None:
 
 def roll_back_cloths(tables: Tables) -> None:
     """Restore the state of cloths at the start of the step."""
+    roll_back_loads(tables)
     tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
     tables.array(PARTICLE_LANES)[:] = tables.array(PARTICLE_SHIFT)[:] = 0.0
     # At the start of a substep they are multiplied by zero, which would give NaN if they were infinite.

@@ -5,6 +5,7 @@ from kickdrift.world.tables import (
     CLOTH,
     CLOTH_CONTACT,
     CLOTH_CONTACT_NUMBERS,
+    CLOTH_LOAD,
     CLOTH_NUMBERS,
     CLOTH_PAIR,
     CLOTH_PAIR_NUMBERS,
@@ -171,8 +172,6 @@ TOUCHED_POINT = column(CLOTH_CONTACT_NUMBERS, 3, "m")  # from the centre of the 
 SHARES = column(CLOTH_CONTACT_NUMBERS, 3)  # barycentric coordinates of the point that touches
 CONTACT_IMPULSE = column(CLOTH_CONTACT_NUMBERS, 4, "kg m/s")  # in this part: along the normal, and of friction
 PASSED_FRICTION = column(CLOTH_CONTACT_NUMBERS, 3, "kg m/s")  # on the bodies on both sides of the cloth alone
-# On a load path: the largest speed of approach after this part, and the velocity of sliding that forces explain
-BRAKED, FORCED_SLIP = column(CLOTH_CONTACT_NUMBERS, 1, "m/s"), column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
 CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # of curvature at the point, otherwise zero
 CONTACT_AXIS = column(CLOTH_CONTACT_NUMBERS, 3)  # along which a round shape is straight; zero for a ball
 
@@ -206,6 +205,20 @@ column(FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it i
 # FACE_STARS
 # of each corner, three times a triangle plus its corner: the next one at this particle
 NEXT_AROUND = column(FACE_STARS, 3)
+
+# CLOTH_LOAD, of a body: see `kickdrift.world.cloth.contacts.predicted_loads`
+CLOTH_FORCE = column(CLOTH_LOAD, 3, "N")  # in the next substep
+CLOTH_TORQUE = column(CLOTH_LOAD, 3, "N m")
+STEADY_FORCE = column(CLOTH_LOAD, 3, "N")  # the part of it that is taken back
+STEADY_TORQUE = column(CLOTH_LOAD, 3, "N m")
+GIVEN_FORCE = column(CLOTH_LOAD, 3, "N")  # that has moved the body in the last substep
+GIVEN_TORQUE = column(CLOTH_LOAD, 3, "N m")
+STARTED_LOAD = column(CLOTH_LOAD, 18)  # these when the step began
+NOTED_VELOCITY = column(CLOTH_LOAD, 3, "m/s")  # before the kick
+NOTED_SPIN = column(CLOTH_LOAD, 3, "kg m^2/s")
+HELD = column(CLOTH_LOAD, 6)  # part of a change of motion that contacts and joints hold
+WITHHELD_CHANGE = column(CLOTH_LOAD, 6)  # of MOTION, which they hold in this substep
+GIVEN_CHANGE = column(CLOTH_LOAD, 6)  # of MOTION, which cloths have made in it
 
 # CLOTH_TREE_NODE
 IS_CONNECTED = column(CLOTH_TREE_NODE)

@@ -2,6 +2,8 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, minus, product, times
+from kickdrift.world.cloth.layout import GIVEN_CHANGE, HELD, WITHHELD_CHANGE
+from kickdrift.world.collision.body_acceleration import acceleration
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
@@ -14,7 +16,7 @@ from kickdrift.world.layout import (
     VELOCITY,
 )
 from kickdrift.world.settings import PLANE_NORMAL
-from kickdrift.world.tables import DELTA_POSE, INVERSE_MASS, MOTION, POSE, SETTINGS, floats
+from kickdrift.world.tables import CLOTH_LOAD, DELTA_POSE, INVERSE_MASS, MOTION, POSE, SETTINGS, floats
 
 
 @compiled(inline=True)
@@ -28,11 +30,52 @@ def mutual_response(world: int, body: int, arm: Vector, other_arm: Vector, n: Ve
 
 
 @compiled
+def response_to_load(world: int, body: int, arm: Vector, d: Vector, n: Vector) -> float:
+    """Return the change of velocity of a point of a body along n by a unit impulse along n, 1/kg.
+
+    The body is loaded along the unit vector d; what its contacts hold of that is left out.
+    """
+    inverse = floats(world, INVERSE_MASS)
+    way, torque = _free(world, body, 0, d, _within_plane(world, n)), _free(world, body, 3, d, cross(arm, n))
+    turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), torque)
+    response: float = inverse[body, INVERSE_LINEAR_MASS] * dot(way, way) + dot(torque, turn)
+    return response
+
+
+@compiled(inline=True)
+def _free(world: int, body: int, first: int, d: Vector, v: Vector) -> Vector:
+    """Return a vector without what contacts hold of it in a body that is loaded along d; `first` is 3 for a rotation.
+
+    They hold no loads against gravity and forces.
+    """
+    x, y, z = vector_at(floats(world, CLOTH_LOAD), body, HELD + first)
+    part = 1.0 if dot(d, acceleration(world, body)) >= 0.0 else 0.0
+    return (1.0 - part * x) * v[0], (1.0 - part * y) * v[1], (1.0 - part * z) * v[2]
+
+
+@compiled
 def push_body(world: int, body: int, arm: Vector, impulse: Vector, left: float) -> None:
     """Apply an impulse to a body at a point, `arm` from its centre of mass."""
     inverse = floats(world, INVERSE_MASS)
-    shift = times(inverse[body, INVERSE_LINEAR_MASS], impulse)
+    shift = times(inverse[body, INVERSE_LINEAR_MASS], _within_plane(world, impulse))
     turn = applied(symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD), cross(arm, impulse))
+    move_on(world, body, shift, turn, left)
+
+
+@compiled
+def load_body(world: int, body: int, arm: Vector, d: Vector, impulse: Vector, left: float) -> None:
+    """Apply an impulse to a body that is loaded along d; what its contacts hold acts in the next substep."""
+    inverse, load = floats(world, INVERSE_MASS), floats(world, CLOTH_LOAD)
+    inverse_mass, inertia = inverse[body, INVERSE_LINEAR_MASS], symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD)
+    whole, torque = times(inverse_mass, _within_plane(world, impulse)), cross(arm, impulse)
+    shift = _free(world, body, 0, d, _free(world, body, 0, d, whole))
+    turn = _free(world, body, 3, d, applied(inertia, _free(world, body, 3, d, torque)))
+    held = minus(whole, shift), minus(applied(inertia, torque), turn)
+    for k in range(3):
+        load[body, GIVEN_CHANGE + k] += shift[k]
+        load[body, GIVEN_CHANGE + 3 + k] += turn[k]
+        load[body, WITHHELD_CHANGE + k] += held[0][k]
+        load[body, WITHHELD_CHANGE + 3 + k] += held[1][k]
     move_on(world, body, shift, turn, left)
 
 

@@ -2,10 +2,17 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, minus, plus, times
-from kickdrift.world.cloth.contacts.body_impulses import mutual_response, push_body
+from kickdrift.world.cloth.contacts.body_impulses import load_body, push_body, response_to_load
 from kickdrift.world.cloth.contacts.contact_rows import Shares, add_shares, gap_of, shares_of
 from kickdrift.world.cloth.contacts.pinned_corners import is_held, point_velocity, push_holders, response_with_holders
-from kickdrift.world.cloth.layout import GROUND_VELOCITY, MOVES_BODY, PARTICLE_VELOCITY, TOUCHED_BODY, TOUCHED_POINT
+from kickdrift.world.cloth.layout import (
+    CLOTH_NORMAL,
+    GROUND_VELOCITY,
+    MOVES_BODY,
+    PARTICLE_VELOCITY,
+    TOUCHED_BODY,
+    TOUCHED_POINT,
+)
 from kickdrift.world.columns import vector_at
 from kickdrift.world.layout import ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, MOTION, PARTICLE, floats, integers
@@ -38,9 +45,15 @@ def response_of_bodies(world: int, row: int, n: Vector) -> float:
     contact, arm = integers(world, CLOTH_CONTACT), vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, TOUCHED_POINT)
     if is_held(world, row):
         return float(response_with_holders(world, row, n))
-    return (
-        float(mutual_response(world, contact[row, TOUCHED_BODY], arm, arm, n)) if contact[row, MOVES_BODY] != 0 else 0.0
-    )
+    if contact[row, MOVES_BODY] == 0:
+        return 0.0
+    return float(response_to_load(world, contact[row, TOUCHED_BODY], arm, load_direction(world, row), n))
+
+
+@compiled(inline=True)
+def load_direction(world: int, row: int) -> Vector:
+    """Return the direction in which a contact loads its body."""
+    return times(-1.0, vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, CLOTH_NORMAL))
 
 
 @compiled
@@ -50,9 +63,21 @@ def give_impulse(world: int, row: int, shares: Shares, impulse: Vector, left: fl
     corners, share, by, _ = shares
     add_shares(floats(world, PARTICLE), corners, PARTICLE_VELOCITY, by, impulse)
     if contact[row, MOVES_BODY] != 0:
-        arm = vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, TOUCHED_POINT)
-        push_body(world, contact[row, TOUCHED_BODY], arm, times(-1.0, impulse), left)
+        push_touched(world, row, times(-1.0, impulse), left)
     push_holders(world, row, share, impulse, left)
+
+
+@compiled
+def push_touched(world: int, row: int, impulse: Vector, left: float) -> None:
+    """Apply an impulse to the body that a contact touches."""
+    body, arm = (
+        integers(world, CLOTH_CONTACT)[row, TOUCHED_BODY],
+        vector_at(floats(world, CLOTH_CONTACT_NUMBERS), row, TOUCHED_POINT),
+    )
+    if is_held(world, row):
+        push_body(world, body, arm, impulse, left)
+    else:
+        load_body(world, body, arm, load_direction(world, row), impulse, left)
 
 
 @compiled(inline=True)

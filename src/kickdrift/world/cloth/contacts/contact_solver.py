@@ -62,11 +62,10 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
     )
     numbers, particle = floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PARTICLE)
     row, shared, advance = first, False, min(part, left)
-    h = part * floats(world, CLOTH_SEARCH)[0, SHARED_PARTS]
     while row < last:  # on a load path contacts add to each other's impulses: all begin before any is resolved
         if contact[row, ON_LOAD_PATH] != 0:
             shared = True
-            begin_loaded(world, row, part * push, part, left, h)
+            begin_loaded(world, row, part * push)
         row = _after(contact, row)
     row = first
     while row < last:
@@ -80,7 +79,7 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
                 _resolve(world, row, part, left)
         row = _after(contact, row)
     if shared:
-        _iterate(world, cloth, part, left, h)
+        _iterate(world, cloth, part, left, part * floats(world, CLOTH_SEARCH)[0, SHARED_PARTS])
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
@@ -101,7 +100,7 @@ def _iterate(world: int, cloth: int, part: float, left: float, h: float) -> None
     first, last = integers(world, CLOTH)[cloth, FIRST_CONTACT], integers(world, CLOTH)[cloth, LAST_CONTACT]
     radius = floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS]
     for _ in range(_SWEEPS):
-        change = _resolve_loads(world, first, last, left)
+        change = _resolve_loads(world, first, last, part, left)
         row = first
         while row < last:
             if contact[row, IN_LANES] == 0 and contact[row, ON_LOAD_PATH] != IS_CARRIED:
@@ -109,7 +108,7 @@ def _iterate(world: int, cloth: int, part: float, left: float, h: float) -> None
             row = _after(contact, row)
         if change < _ENOUGH:
             break
-    _resolve_loads(world, first, last, left)
+    _resolve_loads(world, first, last, part, left)
     row = first
     while row < last:
         if contact[row, IN_LANES] == 0:
@@ -118,12 +117,12 @@ def _iterate(world: int, cloth: int, part: float, left: float, h: float) -> None
 
 
 @compiled
-def _resolve_loads(world: int, first: int, last: int, left: float) -> float:
+def _resolve_loads(world: int, first: int, last: int, part: float, left: float) -> float:
     """Resolve contacts that others carry, after these, so that cloth under a load is held by what does not move first."""
     contact, row, change = integers(world, CLOTH_CONTACT), first, 0.0
     while row < last:
         if contact[row, IN_LANES] == 0 and contact[row, ON_LOAD_PATH] == IS_CARRIED:
-            change = max(change, resolve_loaded(world, row, left))
+            change = max(change, resolve_loaded(world, row, part, left))
         row = _after(contact, row)
     return change
 
@@ -147,7 +146,7 @@ def _resolve(world: int, row: int, part: float, left: float) -> float:
     """Change the impulse of a contact so that it obeys the laws of contact and friction; return the change of speed, m/s."""
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     if contact[row, ON_LOAD_PATH] != 0:
-        return float(resolve_loaded(world, row, left))
+        return float(resolve_loaded(world, row, part, left))
     shares, n = shares_of(world, row), vector_at(numbers, row, CLOTH_NORMAL)
     inverse_mass = shares[3]
     v = slip_velocity(world, row)

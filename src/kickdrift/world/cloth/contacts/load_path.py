@@ -168,10 +168,10 @@ def room_below(world: int, row: int) -> float:
 
 @compiled
 def slip_below(world: int, row: int) -> Vector:
-    """Return the velocity of a point relative to what carries its corners, or would if they were pressed onto it."""
+    """Return the part of the velocity of a point with which its corners move relative to what carries them."""
     v = (0.0, 0.0, 0.0)
     for k in range(3):
-        on = integers(world, CLOTH_CONTACT)[row, CARRIED_BY + k]
+        on = carrier_of(world, row, k)
         if on >= 0:
             v = plus(v, times(floats(world, CLOTH_CONTACT_NUMBERS)[row, SHARES + k], slip_velocity(world, on)))
     return v

@@ -5,7 +5,6 @@ from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
 from kickdrift.world.cloth.contacts.contact_motion import give_impulse, move_out, response_of_bodies, slip_velocity
 from kickdrift.world.cloth.contacts.contact_rows import gap_of, shares_of
 from kickdrift.world.cloth.contacts.load_path import (
-    IS_CARRIED,
     carried_response,
     is_carried,
     pass_on_pressure,
@@ -14,68 +13,29 @@ from kickdrift.world.cloth.contacts.load_path import (
     slip_below,
 )
 from kickdrift.world.cloth.contacts.passed_friction import friction_bound, pass_on_friction, within
-from kickdrift.world.cloth.layout import (
-    BRAKED,
-    CLOTH_NORMAL,
-    CONTACT_IMPULSE,
-    FORCED_SLIP,
-    ON_LOAD_PATH,
-    PASSED_FRICTION,
-    TOUCHED_BODY,
-)
-from kickdrift.world.collision.body_acceleration import acceleration
+from kickdrift.world.cloth.layout import CLOTH_NORMAL, CONTACT_IMPULSE, PASSED_FRICTION
 from kickdrift.world.columns import vector_at
-from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, floats, integers
-
-# The gap and the way of even braking count as equal if neither is less than this part of the other. If they had to be equal,
-# rounding errors would have brakes applied in every other part.
-_EVEN = 0.75
+from kickdrift.world.tables import CLOTH_CONTACT_NUMBERS, floats
 
 
 @compiled
-def begin_loaded(world: int, row: int, most: float, part: float, left: float, h: float) -> None:
-    """Begin a contact on a load path without impulses, and find how fast bodies may come closer and slide in this part.
-
-    Forces change the velocities of bodies at the start of a substep. If contacts stopped them at once, cloth under them would
-    slide without friction in the further parts. So they are braked evenly.
-    """
-    numbers, contact = floats(world, CLOTH_CONTACT_NUMBERS), integers(world, CLOTH_CONTACT)
-    n, approach, forced = vector_at(numbers, row, CLOTH_NORMAL), 0.0, (0.0, 0.0, 0.0)
+def begin_loaded(world: int, row: int, most: float) -> None:
+    """Begin a contact on a load path without impulses, and move a point inside its shape out by `most` at most, m."""
+    numbers = floats(world, CLOTH_CONTACT_NUMBERS)
     for k in range(4):
         numbers[row, CONTACT_IMPULSE + k] = 0.0
     for k in range(3):
         numbers[row, PASSED_FRICTION + k] = 0.0
-    move_out(world, row, n, min(most, room_below(world, row)))
-    if contact[row, ON_LOAD_PATH] == IS_CARRIED:
-        approach = dot(n, minus(slip_velocity(world, row), slip_below(world, row)))
-        pull = _tangential(acceleration(world, contact[row, TOUCHED_BODY]), n)
-        forced = times(-max(left - 0.5 * part, 0.0), pull)
-    numbers[row, BRAKED] = _braked(approach, max(gap_of(world, row), 0.0), part, left, h)
-    for k in range(3):
-        numbers[row, FORCED_SLIP + k] = forced[k]
+    move_out(world, row, vector_at(numbers, row, CLOTH_NORMAL), min(most, room_below(world, row)))
 
 
 @compiled
-def _braked(approach: float, gap: float, part: float, left: float, h: float) -> float:
-    """Return the largest speed of approach after this part, m/s, with which a body comes to rest where it touches.
-
-    Braked evenly for the time t it covers t / 2 times its speed. The impulse of the first part of a substep is half as large
-    as those of the others, as those of forces are, and that of the last one stops it.
-    """
-    most, way = -gap / (part if left > 0.0 else h), -0.5 * approach * left
-    if way <= _EVEN * gap:
-        return most
-    time = left if gap > _EVEN * way else -2.0 * gap / approach
-    share = 0.5 * part / max(time, 0.5 * part) if left + 0.5 * part > h else part / (time + 0.5 * part)
-    return max(most, approach * (1.0 - min(share, 1.0)))
-
-
-@compiled
-def resolve_loaded(world: int, row: int, left: float) -> float:
+def resolve_loaded(world: int, row: int, part: float, left: float) -> float:
     """Do as `_resolve` for a contact on a load path, with what it passes on."""
     numbers, shares = floats(world, CLOTH_CONTACT_NUMBERS), shares_of(world, row)
     n, inverse_mass = vector_at(numbers, row, CLOTH_NORMAL), shares[3]
-    approach, wanted = dot(n, slip_velocity(world, row)), numbers[row, BRAKED]
+    approach = dot(n, minus(slip_velocity(world, row), slip_below(world, row)))
+    wanted = -max(gap_of(world, row), 0.0) / part
     before, sliding = numbers[row, CONTACT_IMPULSE], vector_at(numbers, row, CONTACT_IMPULSE + 1)
     now = before + (wanted - approach) / (
         carried_response(world, row, n, shares[2]) + response_of_bodies(world, row, n)
@@ -89,7 +49,6 @@ def resolve_loaded(world: int, row: int, left: float) -> float:
     pass_on_pressure(world, row, now - before, left)
     if is_carried(world, row):
         slip = _tangential(minus(slip_velocity(world, row), slip_below(world, row)), n)
-        slip = _without(vector_at(numbers, row, FORCED_SLIP), slip)
         way = _direction(slip)
         pass_on_friction(world, row, slip, response_of_bodies(world, row, way) + response_below(world, row, way), left)
     friction = minus(_friction(world, row, inverse_mass), sliding)
@@ -106,13 +65,6 @@ def _tangential(v: Vector, n: Vector) -> Vector:
 
 
 @compiled(inline=True)
-def _without(forced: Vector, slip: Vector) -> Vector:
-    """Return a velocity of sliding without the part that is due to forces, and evenly braked until the end of the substep."""
-    square = max(dot(forced, forced), 1e-300)
-    return minus(slip, times(min(max(dot(slip, forced) / square, 0.0), 1.0), forced))
-
-
-@compiled(inline=True)
 def _direction(v: Vector) -> Vector:
     return times(1.0 / max(length(v), 1e-300), v)
 
@@ -123,7 +75,7 @@ def _friction(world: int, row: int, inverse_mass: float) -> Vector:
     numbers = floats(world, CLOTH_CONTACT_NUMBERS)
     n, friction = vector_at(numbers, row, CLOTH_NORMAL), vector_at(numbers, row, CONTACT_IMPULSE + 1)
     v = slip_velocity(world, row)
-    slip = _without(vector_at(numbers, row, FORCED_SLIP), _tangential(v, n))
+    slip = _tangential(v, n)
     if dot(slip, slip) > 0.0:
         friction = minus(friction, times(1.0 / (inverse_mass + response_of_bodies(world, row, _direction(slip))), slip))
     # What is passed on through the cloth is bounded by what passes it: an excess of it would throw the cloth.

@@ -9,7 +9,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
-from kickdrift.world.cloth.contacts.body_impulses import push_body
+from kickdrift.world.cloth.contacts.contact_motion import push_touched
 from kickdrift.world.cloth.contacts.load_path import carrier_of
 from kickdrift.world.cloth.layout import (
     CARRIED_BY,
@@ -18,8 +18,6 @@ from kickdrift.world.cloth.layout import (
     MOVES_BODY,
     PASSED_FRICTION,
     SHARES,
-    TOUCHED_BODY,
-    TOUCHED_POINT,
 )
 from kickdrift.world.columns import vector_at
 from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, floats, integers
@@ -85,10 +83,8 @@ def _push_both(world: int, row: int, impulse: Vector, left: float) -> None:
     contact, numbers = integers(world, CLOTH_CONTACT), floats(world, CLOTH_CONTACT_NUMBERS)
     if dot(impulse, impulse) == 0.0:
         return
-    arm = vector_at(numbers, row, TOUCHED_POINT)
-    push_body(world, contact[row, TOUCHED_BODY], arm, times(-1.0, impulse), left)
+    push_touched(world, row, times(-1.0, impulse), left)
     for k in range(3):
         on = contact[row, CARRIED_BY + k]
         if on >= 0 and contact[on, MOVES_BODY] != 0:
-            arm = vector_at(numbers, on, TOUCHED_POINT)
-            push_body(world, contact[on, TOUCHED_BODY], arm, times(numbers[row, SHARES + k], impulse), left)
+            push_touched(world, on, times(numbers[row, SHARES + k], impulse), left)
