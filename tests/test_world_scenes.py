@@ -249,14 +249,22 @@ def test_a_net_holds_what_falls_into_it():
     assert (np.abs(boxes[:, :2]) < 1.0).all()
 
 
-def test_a_tablecloth_lies_on_the_table_until_it_is_pulled_off():
+def test_a_tablecloth_is_pulled_from_under_plates_and_glasses():
     world = worlds.tablecloth(vertices=(24, 18))
+    ware = slice(7, 15)
     cloth = world.cloth("tablecloth")
     on_table = np.flatnonzero(np.hypot(*cloth.position[:, :2].T) < 0.3)
     run(world, 1.4)
     assert np.allclose(cloth.position[on_table, 2], 0.755, atol=0.004)
+    assert np.abs(world.velocity[ware]).max() < 0.01
+    start = world.position[ware].copy()
     run(world, 1.6)
     assert cloth.position[:, 0].min() > 0.6
+    moved = world.position[ware] - start
+    assert (moved[:, 0] > 0.01).all()
+    assert np.abs(moved[:, :2]).max() < 0.25
+    assert np.allclose(moved[:, 2], -0.01, atol=1e-3)  # onto the table, upright
+    assert np.abs(world.velocity[ware]).max() < 1e-3
 
 
 def test_rings_gather_a_curtain_and_spread_it():

@@ -52,7 +52,7 @@ SCENES: dict[str, Scene] = {
     "flag": Scene(flag, 4.0, 1 / 60, "a flag flutters in the wind"),
     "gusts": Scene(lambda: flag(wind=8.0, gustiness=0.35), 6.0, 1 / 60, "a flag flutters in gusts"),
     "curtain": Scene(curtain, 6.5, 1 / 60, "a pleated curtain is opened and closed"),
-    "tablecloth": Scene(tablecloth, 4.0, 1 / 60, "a tablecloth falls over a table, and is pulled off"),
+    "tablecloth": Scene(tablecloth, 4.0, 1 / 60, "a tablecloth is pulled from under plates and glasses"),
     "cape": Scene(cape, 5.0, 1 / 60, "a person walks with a cape"),
     "net": Scene(net, 4.0, 1 / 60, "a net catches boxes"),
     "tear": Scene(tear, 1.2, 1 / 120, "a ball tears through a sheet"),

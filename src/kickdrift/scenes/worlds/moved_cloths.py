@@ -58,8 +58,8 @@ def curtain(*, pleats: int = 8, per_pleat: int = 8, rows: int = 22) -> World:
     return world
 
 
-def tablecloth(*, vertices: tuple[int, int] = (46, 34), acceleration: float = 4.0) -> World:
-    """Let a tablecloth fall over a table, and pull it off.
+def tablecloth(*, vertices: tuple[int, int] = (46, 34), acceleration: float = 15.0) -> World:
+    """Pull a tablecloth off a table from under plates and glasses, which stay.
 
     Parameters
     ----------
@@ -77,10 +77,15 @@ def tablecloth(*, vertices: tuple[int, int] = (46, 34), acceleration: float = 4.
         for y in (-0.25, 0.25):
             world.add_box((0.06, 0.06, top - thick), position=(x, y, 0.5 * (top - thick)), static=True)
     cloth = world.add_cloth_grid(
-        (1.7, 1.3), vertices, position=(0.05, 0, top + 0.006), density=0.2, thickness=0.01,
+        (1.7, 1.3), vertices, position=(0.2, 0, top + 0.006), density=0.2, thickness=0.01,
         stretch_stiffness=800.0, shear_stiffness=150.0, bending_stiffness=5e-5, damping=2e-3, linear_damping=0.3,
         friction=0.15, drag=0.5, self_collision=True, name="tablecloth",
     )  # fmt: skip
+    for x in (-0.3, 0.0, 0.3):
+        for y in (-0.2, 0.2):
+            world.add_cylinder(0.1, 0.02, position=(x, y, top + 0.022), mass=0.4, friction=0.1)
+    for x in (-0.15, 0.15):
+        world.add_cylinder(0.03, 0.12, position=(x, 0, top + 0.072), mass=0.3, friction=0.1)
     hem = np.flatnonzero(cloth.position[:, 0] > cloth.position[:, 0].max() - 1e-6)
     bar = world.add_capsule(
         0.012, 1.3, position=cloth.position[hem].mean(axis=0), orientation=(math.sqrt(0.5), math.sqrt(0.5), 0, 0), mass=1.0,
