@@ -36,11 +36,13 @@ def report(recording: Recording) -> str:
         if values.any():
             most = "" if recording.saved_to else f"{values.max():.3g} {unit} at most, "
             rows.append((name, f"{most}{values[-1]:.3g} {unit} at the end"))
-    moved = np.nan_to_num(np.linalg.norm(recording.x[-1] - recording.x[0], axis=1)[recording.moving])
+    away = [np.linalg.norm(x - recording.x[0], axis=1)[recording.moving] for x in recording.x]
+    moved = np.nan_to_num(np.fmax.reduce(away))
     if moved.size:
         body = int(recording.moving[int(np.argmax(moved))])
         called = f", {looks.names[body]!r}" if body in looks.names else ""
-        rows.append(("displacement", f"{moved.max():.4g} m at most, body {body}{called}"))
+        when = "from the start to the end" if recording.saved_to else "at most"
+        rows.append(("displacement", f"{moved.max():.4g} m {when}, body {body}{called}"))
     rows.append(("outcome", recording.message))
     return lines(rows)
 

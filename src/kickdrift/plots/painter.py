@@ -23,6 +23,7 @@ _FROM_LAMP, _FROM_FRONT = (0.62, 0.35, -1.0), (0.35, 1.0, -0.45)  # right, ahead
 _ASPECTS = (0.75, 4.0)  # of pictures, least and greatest
 _MOST_POINTS = 500_000  # that are looked at to see how far bodies come
 _MOST, _STRAY = 0.95, 6.0  # farther from the middle than six times what most of all places are: out of the picture
+_BEYOND = 0.5  # how far fixed bodies reach out of what moves, of its extent, to be seen whole
 _FLAT = 0.01  # out of the plane, of the extent, in a scene that is seen from the side
 _LAMP_PIXELS = 900
 BACKDROP = (1.0, 1.0, 1.0)
@@ -120,9 +121,9 @@ class _Film:
 
 
 def _places(recording: Recording) -> tuple[Floats, Floats]:
-    """Find points of the shapes that move, as balls, and the ends of rods, at many times.
+    """Find points of the shapes that move, as balls, and the ends of rods, at many times, with fixed bodies among them.
 
-    Strays are left out, which would make everything else small.
+    Strays are left out, which would make everything else small, and so are fixed bodies that reach far beyond.
 
     Returns
     -------
@@ -152,7 +153,16 @@ def _places(recording: Recording) -> tuple[Floats, Floats]:
     middle = np.median(x, axis=0)
     away = np.abs(x - middle).max(axis=1)
     near = away <= _STRAY * np.quantile(away, _MOST)
-    return x[near], r[near]
+    x, r = x[near], r[near]
+    fixed = [part for part in parts if recording.appearance.kinds[part.body] != DYNAMIC] if moving else []
+    beyond = _BEYOND * float(np.linalg.norm(np.ptp(x, axis=0)))
+    low, high = x.min(axis=0) - beyond, x.max(axis=0) + beyond
+    for part in fixed:
+        points, reach = outline(part)
+        points = recording.x[0, part.body] + turned(recording.orientation[0, part.body], points)
+        if ((points > low) & (points < high)).all():
+            x, r = np.concatenate((x, points)), np.concatenate((r, np.full(len(points), reach)))
+    return x, r
 
 
 def _aspect(points: Floats, reaches: Floats, ahead: Floats) -> float:

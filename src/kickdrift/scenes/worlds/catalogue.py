@@ -58,6 +58,6 @@ SCENES: dict[str, Scene] = {
     "tear": Scene(tear, 1.2, 1 / 120, "a ball tears through a sheet"),
     "bridge": Scene(bridge, 5.0, 1 / 60, "crates fall onto a bridge that hangs on ropes"),
     "tetherball": Scene(tetherball, 6.0, 1 / 60, "a ball winds its rope round a pole"),
-    "jelly": Scene(jelly, 4.0, 1 / 60, "cubes of jelly and a box fall into a heap"),
+    "jelly": Scene(jelly, 4.0, 1 / 60, "cubes of jelly and a box fall onto each other"),
     "trampoline": Scene(trampoline, 4.0, 1 / 60, "two balls bounce on a trampoline"),
 }

@@ -27,7 +27,7 @@ def drape(*, vertices: int = 40, size: float = 1.2, radius: float = 0.3) -> Worl
     world.add_sphere(radius=radius, position=(0, 0, radius), density=2000.0)
     world.add_cloth_grid(
         (size, size), (vertices, vertices), position=(0.05, 0.02, 2.2 * radius), bending_stiffness=1e-4, damping=1e-3,
-        linear_damping=1.0, name="cloth",
+        linear_damping=1.0, self_collision=True, name="cloth",
     )  # fmt: skip
     return world
 
@@ -48,7 +48,7 @@ def flag(*, vertices: tuple[int, int] = (40, 24), wind: float = 6.0, gustiness: 
     world.add_capsule(radius=0.02, length=2.0, position=(-0.03, 0, 1.0), static=True)
     cloth = world.add_cloth_grid(
         (1.2, 0.7), vertices, position=(0.6, 0, 1.6), orientation=_UPRIGHT, density=0.12, bending_stiffness=1e-5, damping=1e-3,
-        drag=1.0, lift=1.0, name="flag",
+        drag=1.0, lift=1.0, self_collision=True, name="flag",
     )  # fmt: skip
     cloth.pin(np.arange(vertices[1]))
     if gustiness > 0.0:

@@ -121,7 +121,7 @@ def cape(*, vertices: tuple[int, int] = (20, 26), speed: float = 1.4) -> World:
     world = World()
     world.add_plane(friction=0.2)
     stiffness, damping = 600.0, 25.0
-    lifted = 0.03
+    lifted = 0.003
     person = add_person(world, position=(0, 0, PELVIS + lifted), drive=Drive(stiffness, damping))
     lead, follow = 20000.0, 2000.0
     world.add_slider(

@@ -71,7 +71,7 @@ def softness(words: str, dimension: int, numbers: Floats) -> str:
     found = [
         f"{name} {now:.3g} of {wanted:.3g} {unit}"
         for (name, unit), wanted, now in zip(_NAMES[dimension], asked, used, strict=True)
-        if now < wanted
+        if f"{now:.3g}" != f"{wanted:.3g}"
     ]
     if not found:
         return ""
