@@ -160,3 +160,68 @@ def test_a_box_on_two_ropes_does_not_sink_through_them(box_first):
         box = world.add_box((0.4, 0.4, 0.1), **start)
     world.advance(STEP, 120)
     assert box.position[2] == pytest.approx(0.07, abs=2e-4)
+
+
+def test_forces_of_users_change_nothing_in_loads_of_cloth():
+    def nothing(force):
+        force[0, 0] += 0.0
+
+    places = []
+    for forces in (False, True):
+        world, _, book, table = book_on_cloth(5.0, ground="table")
+        if forces:
+            world.add_force(nothing)
+        world.advance(STEP, 30)
+        places.append(np.concatenate((book.position, table.position)))
+    assert places[0] == pytest.approx(places[1], abs=1e-9)
+
+
+@pytest.mark.parametrize("restitution", [0.5, 1.0])
+@pytest.mark.parametrize("mass", [2.0, 16.0])
+def test_boxes_that_bounce_with_cloth_between_them_gain_no_energy(mass, restitution):
+    world = kd.World(substeps=8)
+    world.add_plane(restitution=restitution)
+    lower = world.add_box((0.4, 0.4, 0.2), position=(0, 0, 0.5), mass=1.0, restitution=restitution)
+    world.add_cloth_grid((0.6, 0.6), (13, 13), position=(0, 0, 0.6035), damping=1e-3)
+    upper = world.add_box((0.2, 0.2, 0.1), position=(0, 0, 0.6562), mass=mass, restitution=restitution)
+    start = 9.81 * (0.4 + mass * 0.4)
+    for _ in range(60):
+        world.step(STEP)
+        moving = sum(0.5 * body.mass * body.velocity @ body.velocity for body in (lower, upper))
+        assert moving + 9.81 * (lower.position[2] - 0.1 + mass * (upper.position[2] - 0.2562)) < 1.02 * start
+
+
+def test_a_load_on_cloth_on_a_sprung_box_stays_calm():
+    world, total = kd.World(), 2.5
+    box = world.add_box((0.3, 0.3, 0.1), position=(0, 0, 0), mass=0.5, locked_rotation=True)
+    stiffness = total * (4 * np.pi) ** 2
+    world.add_spring(None, box, (0, 0, -2), (0, 0, 0), length=2 + total * 9.81 / stiffness, stiffness=stiffness)
+    world.add_cloth_grid((0.4, 0.4), (11, 11), position=(0, 0, 0.0536), damping=1e-3)
+    load = world.add_box((0.2, 0.2, 0.1), position=(0, 0, 0.1076), mass=2.0, locked_rotation=True)
+    world.advance(STEP, 120)
+    assert np.abs([box.velocity, load.velocity]).max() < 0.1
+
+
+def test_momentum_of_loads_is_kept_where_steps_change_in_length():
+    world, given, rng = kd.World(gravity=(0, 0, 0)), 0.0, np.random.default_rng(1)
+    for z in (0.05, -0.051):
+        world.add_box((0.3, 0.3, 0.1), position=(0, 0, z), mass=1.0)
+    world.add_cloth_grid((0.4, 0.4), (11, 11), position=(0, 0, 0.103))
+    load = world.add_box((0.2, 0.2, 0.1), position=(0, 0, 0.157), mass=5.0)
+    for step in rng.choice([1 / 600, 1 / 30], 40):
+        world.apply_force(load, (0, 0, -50.0))
+        world.step(step)
+        given -= 50.0 * step
+    world.advance(STEP, 2)
+    assert world.momentum()[2] == pytest.approx(given, abs=1e-9)
+
+
+def test_loads_of_removed_cloths_are_gone():
+    world, cloth, book, table = book_on_cloth(50.0, ground="table")
+    world.advance(STEP, 30)
+    world.remove_cloth(cloth)
+    world.remove(book)
+    world.add_cloth_grid((1, 1), (5, 5), position=(9, 0, 3))
+    table.position, table.velocity, table.angular_velocity = (5, 0, 2), (0, 0, 0), (0, 0, 0)
+    world.step(STEP)
+    assert table.velocity == pytest.approx((0, 0, -9.81 * STEP), abs=1e-12)

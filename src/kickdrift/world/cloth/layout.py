@@ -207,9 +207,9 @@ column(FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it i
 NEXT_AROUND = column(FACE_STARS, 3)
 
 # CLOTH_LOAD, of a body: see `kickdrift.world.cloth.contacts.predicted_loads`
-CLOTH_FORCE = column(CLOTH_LOAD, 3, "N")  # in the next substep
-CLOTH_TORQUE = column(CLOTH_LOAD, 3, "N m")
-STEADY_FORCE = column(CLOTH_LOAD, 3, "N")  # the part of it that is taken back
+WITHHELD_IMPULSE = column(CLOTH_LOAD, 3, "N s")  # which acts in the next substep
+WITHHELD_TURN = column(CLOTH_LOAD, 3, "N m s")
+STEADY_FORCE = column(CLOTH_LOAD, 3, "N")  # which acts in it as well, and is taken back
 STEADY_TORQUE = column(CLOTH_LOAD, 3, "N m")
 GIVEN_FORCE = column(CLOTH_LOAD, 3, "N")  # that has moved the body in the last substep
 GIVEN_TORQUE = column(CLOTH_LOAD, 3, "N m")
@@ -217,6 +217,7 @@ STARTED_LOAD = column(CLOTH_LOAD, 18)  # these when the step began
 NOTED_VELOCITY = column(CLOTH_LOAD, 3, "m/s")  # before the kick
 NOTED_SPIN = column(CLOTH_LOAD, 3, "kg m^2/s")
 HELD = column(CLOTH_LOAD, 6)  # part of a change of motion that contacts and joints hold
+MOST_WITHHELD = column(CLOTH_LOAD, 1, "m/s")  # in a substep
 WITHHELD_CHANGE = column(CLOTH_LOAD, 6)  # of MOTION, which they hold in this substep
 GIVEN_CHANGE = column(CLOTH_LOAD, 6)  # of MOTION, which cloths have made in it
 

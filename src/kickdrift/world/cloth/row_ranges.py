@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from kickdrift.world.cloth import layout as c
 from kickdrift.world.tables import (
     CLOTH,
+    CLOTH_LOAD,
     CLOTH_NUMBERS,
     COUPLING,
     COUPLING_NUMBERS,
@@ -74,8 +75,9 @@ def replace_rows(tables: Tables, row: int, first: int, anew: Mapping[Table, NDAr
 
 
 def remove_range(tables: Tables, row: int) -> None:
-    """Remove a cloth with all of its rows; those after it move up."""
+    """Remove a cloth with all of its rows, and what it has pressed on bodies with; those after it move up."""
     for first, of in TABLES_OF.items():
         replace_rows(tables, row, first, {table: tables.array(table)[:0].copy() for table in of})
     for table in (CLOTH, CLOTH_NUMBERS):
         tables.put(table, np.delete(tables.array(table), row, axis=0))
+    tables.array(CLOTH_LOAD)[:] = 0.0

@@ -9,7 +9,7 @@ from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
 from kickdrift.world.cloth.cloth_step import begin_cloths, move_cloths
 from kickdrift.world.cloth.contacts.body_contacts import find_cloth_contacts
-from kickdrift.world.cloth.contacts.predicted_loads import predict_loads
+from kickdrift.world.cloth.contacts.predicted_loads import predict_later_loads, predict_loads
 from kickdrift.world.cloth.forces.aerodynamics import calm
 from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.collision.broad_phase.pair_update import find_pairs
@@ -148,7 +148,11 @@ def _substep(uses: Uses) -> Stages:
         *when(uses.planar, flatten),
         drift,
         *when(
-            bool(uses.forces), begin_later_forces, *when(uses.cloths, predict_loads), *uses.forces, complete_free_kicks
+            bool(uses.forces),
+            begin_later_forces,
+            *when(uses.cloths, predict_later_loads),
+            *uses.forces,
+            complete_free_kicks,
         ),
         *when(uses.joints, complete_half_kicks),
         *when(uses.planar and (uses.joints or bool(uses.forces)), flatten),

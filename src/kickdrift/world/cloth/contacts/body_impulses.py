@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, minus, product, times
-from kickdrift.world.cloth.layout import GIVEN_CHANGE, HELD, WITHHELD_CHANGE
+from kickdrift.world.cloth.layout import GIVEN_CHANGE, HELD, MOST_WITHHELD, WITHHELD_CHANGE
 from kickdrift.world.collision.body_acceleration import acceleration
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.layout import (
@@ -48,8 +48,10 @@ def _free(world: int, body: int, first: int, d: Vector, v: Vector) -> Vector:
 
     They hold no loads against gravity and forces.
     """
-    x, y, z = vector_at(floats(world, CLOTH_LOAD), body, HELD + first)
-    part = 1.0 if dot(d, acceleration(world, body)) >= 0.0 else 0.0
+    load = floats(world, CLOTH_LOAD)
+    x, y, z = vector_at(load, body, HELD + first)
+    withheld, most = vector_at(load, body, WITHHELD_CHANGE), load[body, MOST_WITHHELD]
+    part = 1.0 if dot(d, acceleration(world, body)) >= 0.0 and dot(withheld, withheld) <= most * most else 0.0
     return (1.0 - part * x) * v[0], (1.0 - part * y) * v[1], (1.0 - part * z) * v[2]
 
 

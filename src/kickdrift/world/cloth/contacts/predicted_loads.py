@@ -2,8 +2,12 @@
 
 What a floor holds, it cannot hold in time: a table under ten times its weight would sink by 2 mm, and a heavy body on cloth on
 a lighter one would be thrown off, since cloth finds the lighter one as easy to push as if it were free. So the part of their
-kick that contacts and joints leave to a body is measured. Cloths push the body with this part of their impulses only; the rest
-acts as a force in the next substep, where contacts can hold it.
+kick that contacts leave to a body is measured. Cloths push the body with this part of their impulses only; the rest acts in the
+next substep, where contacts can hold it.
+
+Contacts that stop a body have not held it, and springs hold a weight and yield to more: in the substep of an impact, and
+on joints, bodies are free, and contacts are trusted with a few times of what they have held. Otherwise boxes that bounce under
+cloth gained 200 times their energy, and a load on a box on a spring 3 kJ.
 
 Bodies on load paths have their weight from the start of a substep, and cloths press on them part by part. So that they press
 evenly, as friction needs it, the steady part of what they pressed with is predicted: bodies get it as a force before, and it is
@@ -16,19 +20,20 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, length, minus, times
 from kickdrift.world.cloth.contacts.body_impulses import move_on
 from kickdrift.world.cloth.layout import (
-    CLOTH_FORCE,
     GIVEN_CHANGE,
     GIVEN_FORCE,
     HELD,
     IS_ASLEEP,
+    MOST_WITHHELD,
     NOTED_SPIN,
     NOTED_VELOCITY,
     STARTED_LOAD,
     STEADY_FORCE,
     STEADY_TORQUE,
     WITHHELD_CHANGE,
+    WITHHELD_IMPULSE,
 )
-from kickdrift.world.collision.body_acceleration import acceleration
+from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, acceleration
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.free_rotation import turned_product
 from kickdrift.world.layout import (
@@ -38,8 +43,10 @@ from kickdrift.world.layout import (
     BODY_KIND,
     DAMPING,
     DYNAMIC,
+    IN_HEAP,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
+    LINK_COUNT,
     ORIENTATION,
     SUBSTEP_FORCE,
     SUBSTEP_TORQUE,
@@ -65,6 +72,7 @@ from kickdrift.world.tables import (
 )
 
 _FREE = 0.99  # part of a kick that counts as all of it
+_MOST = 4.0  # kicks that contacts hold in a substep
 _LEAST = 1e-2  # of a kick: components from which what is left of them is measured
 
 
@@ -73,42 +81,62 @@ def predict_loads(t: float, h: float, world: int) -> None:
     """Add the loads of cloths to the forces on bodies, whose motion is noted."""
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
-    load, force, motion = floats(world, CLOTH_LOAD), floats(world, FORCE), floats(world, MOTION)
+    load, motion = floats(world, CLOTH_LOAD), floats(world, MOTION)
     for body in range(rows(world, CLOTH_LOAD)):
         spin = _spin(world, body)
         for k in range(3):
             load[body, NOTED_VELOCITY + k], load[body, NOTED_SPIN + k] = motion[body, VELOCITY + k], spin[k]
+    _add_forces(world, h, 1.0)
+
+
+@compiled
+def predict_later_loads(t: float, h: float, world: int) -> None:
+    """Add the same loads to the forces at the end of a substep."""
+    if integers(world, CLOTH)[0, IS_ASLEEP] == 0:
+        _add_forces(world, h, 1.0)
+
+
+@compiled
+def _add_forces(world: int, h: float, sign: float) -> None:
+    """Add `sign` times the loads of a substep, s, to the forces on bodies."""
+    load, force = floats(world, CLOTH_LOAD), floats(world, FORCE)
+    for body in range(rows(world, CLOTH_LOAD)):
         for k in range(6):
-            force[body, SUBSTEP_FORCE + k] += load[body, CLOTH_FORCE + k]
+            push = load[body, STEADY_FORCE + k] + load[body, WITHHELD_IMPULSE + k] / h
+            force[body, SUBSTEP_FORCE + k] += sign * push
 
 
 @compiled
 def begin_loads(world: int, h: float) -> None:
     """Begin the loads of a substep, s, and find what of their kick the contacts of bodies have held."""
-    load, force = floats(world, CLOTH_LOAD), floats(world, FORCE)
+    load = floats(world, CLOTH_LOAD)
     for body in range(rows(world, CLOTH_LOAD)):
         if _is_moved(world, body):
             _find_held(world, body, h)
         for k in range(6):
-            force[body, SUBSTEP_FORCE + k] -= load[body, CLOTH_FORCE + k]
             load[body, WITHHELD_CHANGE + k] = load[body, GIVEN_CHANGE + k] = 0.0
+    _add_forces(world, h, -1.0)
 
 
 @compiled
 def _find_held(world: int, body: int, h: float) -> None:
     """Find which part of a change of motion the contacts and joints of a body hold, from what is left of its kick."""
-    load, inertia = floats(world, CLOTH_LOAD), floats(world, INERTIA)
-    straight = times(h / (1.0 + h * inertia[body, DAMPING]), acceleration(world, body))
-    torque = vector_at(floats(world, FORCE), body, SUBSTEP_TORQUE)
-    turning = times(h / (1.0 + h * inertia[body, TURN_DAMPING]), torque)
-    moved = minus(vector_at(floats(world, MOTION), body, VELOCITY), vector_at(load, body, NOTED_VELOCITY))
-    turned = minus(_spin(world, body), vector_at(load, body, NOTED_SPIN))
+    load, inertia, own = floats(world, CLOTH_LOAD), floats(world, INERTIA), integers(world, BODY)
+    keep = 1.0 / (1.0 + h * inertia[body, DAMPING]), 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
+    straight = times(keep[0] * h, acceleration(world, body))
+    turning = times(keep[1] * h, vector_at(floats(world, FORCE), body, SUBSTEP_TORQUE))
+    before = times(keep[0], vector_at(load, body, NOTED_VELOCITY)), times(keep[1], vector_at(load, body, NOTED_SPIN))
+    moved = minus(vector_at(floats(world, MOTION), body, VELOCITY), before[0])
+    turned = minus(_spin(world, body), before[1])
+    load[body, MOST_WITHHELD] = _MOST * length(straight)
     for j in range(2):
         kick, change = (straight, moved) if j == 0 else (turning, turned)
         least = _LEAST * length(kick)
         for k in range(3):
             left = change[k] / kick[k] if abs(kick[k]) > least else 1.0
-            load[body, HELD + 3 * j + k] = 1.0 - math.sqrt(max(left, 0.0)) if left < _FREE else 0.0
+            held = 1.0 - math.sqrt(max(left, 0.0)) if left < _FREE else 0.0
+            hits = left < -RESTING_SUBSTEPS or (own[body, LINK_COUNT] > 0 and own[body, IN_HEAP] == 0)
+            load[body, HELD + 3 * j + k] = 0.0 if hits else held
 
 
 @compiled(inline=True)
@@ -148,7 +176,7 @@ def measure_loads(world: int, h: float) -> None:
     for body in range(rows(world, CLOTH_LOAD)):
         if not _is_moved(world, body):
             for k in range(18):
-                load[body, CLOTH_FORCE + k] = 0.0
+                load[body, WITHHELD_IMPULSE + k] = 0.0
             continue
         inverse_mass = inverse[body, INVERSE_LINEAR_MASS]
         mass = 1.0 / inverse_mass if inverse_mass > 0.0 else 0.0
@@ -161,7 +189,7 @@ def measure_loads(world: int, h: float) -> None:
                 at = 3 * j + k
                 steady = _common(given[k] / h, load[body, GIVEN_FORCE + at])
                 load[body, STEADY_FORCE + at], load[body, GIVEN_FORCE + at] = steady, given[k] / h
-                load[body, CLOTH_FORCE + at] = steady + withheld[k] / h
+                load[body, WITHHELD_IMPULSE + at] = withheld[k]
 
 
 @compiled(inline=True)
@@ -185,12 +213,12 @@ def note_loads(world: int) -> bool:
     if room(world, CLOTH_LOAD) < count:
         ask_for_room(world, CLOTH_LOAD, count)
         return False
-    load = floats(world, CLOTH_LOAD)
+    load, sleeps = floats(world, CLOTH_LOAD), integers(world, CLOTH)[0, IS_ASLEEP] != 0
     for body in range(count):
         for k in range(18):
-            if body >= rows(world, CLOTH_LOAD):
-                load[body, CLOTH_FORCE + k] = 0.0
-            load[body, STARTED_LOAD + k] = load[body, CLOTH_FORCE + k]
+            if sleeps or body >= rows(world, CLOTH_LOAD):
+                load[body, WITHHELD_IMPULSE + k] = 0.0
+            load[body, STARTED_LOAD + k] = load[body, WITHHELD_IMPULSE + k]
     set_rows(world, CLOTH_LOAD, count)
     return True
 
@@ -198,4 +226,4 @@ def note_loads(world: int) -> bool:
 def roll_back_loads(tables: Tables) -> None:
     """Restore the loads at the start of the step."""
     load = tables.array(CLOTH_LOAD)
-    load[:, CLOTH_FORCE : CLOTH_FORCE + 18] = load[:, STARTED_LOAD : STARTED_LOAD + 18]
+    load[:, WITHHELD_IMPULSE : WITHHELD_IMPULSE + 18] = load[:, STARTED_LOAD : STARTED_LOAD + 18]
