@@ -75,7 +75,7 @@ def replace_rows(tables: Tables, row: int, first: int, anew: Mapping[Table, NDAr
 
 
 def remove_range(tables: Tables, row: int) -> None:
-    """Remove a cloth with all of its rows, and what it has pressed on bodies with; those after it move up."""
+    """Remove a cloth with all of its rows, and the loads of cloths on bodies; those after it move up."""
     for first, of in TABLES_OF.items():
         replace_rows(tables, row, first, {table: tables.array(table)[:0].copy() for table in of})
     for table in (CLOTH, CLOTH_NUMBERS):

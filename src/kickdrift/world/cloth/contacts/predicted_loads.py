@@ -1,13 +1,13 @@
-"""Loads of cloths on bodies as forces in the next substep, for contacts and joints of bodies are solved before cloths move.
+"""Loads of cloths on bodies as forces in the next substep, because contacts of bodies are solved before cloths move.
 
-What a floor holds, it cannot hold in time: a table under ten times its weight would sink by 2 mm, and a heavy body on cloth on
-a lighter one would be thrown off, since cloth finds the lighter one as easy to push as if it were free. So the part of their
-kick that contacts leave to a body is measured. Cloths push the body with this part of their impulses only; the rest acts in the
-next substep, where contacts can hold it.
+If cloths moved bodies as if these were free, their contacts would answer a substep late: a table under ten times its weight
+sank by 6 mm, and a heavy body on cloth on a lighter one was thrown off. So the part of its kick that contacts leave to a body
+is measured. Cloths push the body with this part of their impulses only; the rest acts in the next substep, where contacts hold
+it.
 
-Contacts that stop a body have not held it, and springs hold a weight and yield to more: in the substep of an impact, and
-on joints, bodies are free, and contacts are trusted with a few times of what they have held. Otherwise boxes that bounce under
-cloth gained 200 times their energy, and a load on a box on a spring 3 kJ.
+In the substep of an impact, and on joints, which may be springs, bodies count as free, and contacts hold at most a few times
+what they have held. Without that, boxes that bounced under cloth gained 200 times their energy, and a load on a box on a spring
+3 kJ.
 
 Bodies on load paths have their weight from the start of a substep, and cloths press on them part by part. So that they press
 evenly, as friction needs it, the steady part of what they pressed with is predicted: bodies get it as a force before, and it is
@@ -120,7 +120,7 @@ def begin_loads(world: int, h: float) -> None:
 
 @compiled
 def _find_held(world: int, body: int, h: float) -> None:
-    """Find which part of a change of motion the contacts and joints of a body hold, from what is left of its kick."""
+    """Find which part of a change of motion the contacts of a body hold, from what is left of its kick."""
     load, inertia, own = floats(world, CLOTH_LOAD), floats(world, INERTIA), integers(world, BODY)
     keep = 1.0 / (1.0 + h * inertia[body, DAMPING]), 1.0 / (1.0 + h * inertia[body, TURN_DAMPING])
     straight = times(keep[0] * h, acceleration(world, body))
@@ -129,14 +129,14 @@ def _find_held(world: int, body: int, h: float) -> None:
     moved = minus(vector_at(floats(world, MOTION), body, VELOCITY), before[0])
     turned = minus(_spin(world, body), before[1])
     load[body, MOST_WITHHELD] = _MOST * length(straight)
+    joined = own[body, LINK_COUNT] > 0 and own[body, IN_HEAP] == 0
     for j in range(2):
         kick, change = (straight, moved) if j == 0 else (turning, turned)
         least = _LEAST * length(kick)
         for k in range(3):
             left = change[k] / kick[k] if abs(kick[k]) > least else 1.0
-            held = 1.0 - math.sqrt(max(left, 0.0)) if left < _FREE else 0.0
-            hits = left < -RESTING_SUBSTEPS or (own[body, LINK_COUNT] > 0 and own[body, IN_HEAP] == 0)
-            load[body, HELD + 3 * j + k] = 0.0 if hits else held
+            rests = not joined and -RESTING_SUBSTEPS <= left < _FREE
+            load[body, HELD + 3 * j + k] = 1.0 - math.sqrt(max(left, 0.0)) if rests else 0.0
 
 
 @compiled(inline=True)
