@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.peers import package
 from benchmarks.table import Missing, Row, at_least, measured, skipped
 from benchmarks.turns import in_turns, nanoseconds, ratio
-from kickdrift.world.joints.axis_options import Motor
+from kickdrift.world.joints.limits_motors_options import Motor
 from kickdrift.world.world import World
 
 _STEP, _TILT = 1 / 60, 0.05

@@ -21,7 +21,7 @@ from kickdrift.methods.letter import Letter
 from kickdrift.methods.record import Method
 from kickdrift.methods.tableau import Tableau
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.joints.axis_options import Axis, Drive, Motor
+from kickdrift.world.joints.limits_motors_options import Axis, Drive, Motor
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.cone import Cone

@@ -14,7 +14,7 @@ from random_worlds import a_shape
 
 import kickdrift as kd
 from kickdrift.core.errors import KickdriftError
-from kickdrift.world.joints.axis_options import Drive, Motor
+from kickdrift.world.joints.limits_motors_options import Drive, Motor
 from kickdrift.world.shapes.heightfield import HeightField
 from kickdrift.world.shapes.mesh import Mesh
 

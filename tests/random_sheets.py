@@ -10,7 +10,7 @@ import time
 import numpy as np
 
 import kickdrift as kd
-from kickdrift.world.cloth.mesh import grid
+from kickdrift.world.deformables.mesh import grid
 from kickdrift.world.shapes.mass_properties import rotation_matrix
 
 STEP, LOOK = 1 / 60, 10  # s, and steps between two counts of crossings

@@ -72,7 +72,7 @@ def test_nothing_is_imported_before_it_is_needed_and_no_warning_filter_changes()
     heavy = {"matplotlib", "scipy.special", "xarray", "typer", "pydantic", "pandas", "astropy", "pint"}
     assert heavy.isdisjoint(imported.split())
     assert {"astropy", "pint", "pandas"}.isdisjoint(solved.split())  # which only quantities with units need
-    assert "kickdrift.world.cloth.forces.highest_frequency" in dropped.split()
+    assert "kickdrift.world.deformables.forces.highest_frequency" in dropped.split()
     assert {"scipy.sparse", "scipy.integrate"}.isdisjoint(dropped.split())  # of cloths, and of the table of dop853
     assert "scipy.integrate" in tabled.split()
 

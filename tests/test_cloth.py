@@ -8,11 +8,11 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
 import kickdrift as kd
-from kickdrift.world.cloth.forces import bending, membrane
-from kickdrift.world.cloth.forces.curvature import curvature_of
-from kickdrift.world.cloth.layout import FORCES, FORCES_APART, LANE_FIELDS
-from kickdrift.world.cloth.mesh import cloth_mesh, flattened, grid
-from kickdrift.world.cloth.particle_fields import fill_lanes
+from kickdrift.world.deformables.forces import bending, membrane
+from kickdrift.world.deformables.forces.bending_curvature import curvature_of
+from kickdrift.world.deformables.layout import FORCES, FORCES_APART, LANE_FIELDS
+from kickdrift.world.deformables.mesh import cloth_mesh, flattened, grid
+from kickdrift.world.deformables.particle_fields import fill_lanes
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down

@@ -7,11 +7,11 @@ from vector_instructions import needs_wide_vectors, packed
 
 import kickdrift as kd
 from kickdrift.world import tables
-from kickdrift.world.cloth import layout
-from kickdrift.world.cloth.face_groups import face_groups
-from kickdrift.world.cloth.forces import bending, membrane
-from kickdrift.world.cloth.mesh import grid
-from kickdrift.world.cloth.particle_fields import fill_lanes
+from kickdrift.world.deformables import layout
+from kickdrift.world.deformables.face_groups import face_groups
+from kickdrift.world.deformables.forces import bending, membrane
+from kickdrift.world.deformables.mesh import grid
+from kickdrift.world.deformables.particle_fields import fill_lanes
 
 N, M = 21, 19
 PART = 1e-4  # s

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
-from kickdrift.world.cloth.layout import IS_ASLEEP
+from kickdrift.world.deformables.layout import IS_ASLEEP
 
 STEP = 1 / 60
 

@@ -9,7 +9,7 @@ from scipy.special import gamma, kv
 
 import kickdrift as kd
 from kickdrift.scenes.worlds.cloths import flag
-from kickdrift.world.cloth.gusts import _waves
+from kickdrift.world.deformables.gusts import _waves
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)

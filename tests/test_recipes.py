@@ -280,7 +280,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from kickdrift.world.argument_checks import direction, vector
-from kickdrift.world.joints.axis_options import FREE, LOCKED, Axis
+from kickdrift.world.joints.limits_motors_options import FREE, LOCKED, Axis
 from kickdrift.world.joints.record import Placement, Record, frame_along
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, UnknownNameError
-from kickdrift.world.cloth.contacts.contact_rows import _curvature
+from kickdrift.world.deformables.body_contacts.contact_rows import _curvature
 from kickdrift.world.tables import CLOTH
 
 STEP = 1 / 60

@@ -5,7 +5,7 @@ import pytest
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError, UnknownNameError
-from kickdrift.world.cloth.tetrahedra import box_mesh, tetrahedral_mesh
+from kickdrift.world.deformables.tetrahedra import box_mesh, tetrahedral_mesh
 from kickdrift.world.tables import CLOTH
 
 STEP = 1 / 60

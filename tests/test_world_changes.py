@@ -6,7 +6,7 @@ import pytest
 import kickdrift as kd
 from kickdrift import World
 from kickdrift.world.bodies.part import Part
-from kickdrift.world.joints.axis_options import Drive, Motor
+from kickdrift.world.joints.limits_motors_options import Drive, Motor
 from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.capsule import Capsule
 from kickdrift.world.shapes.sphere import Sphere

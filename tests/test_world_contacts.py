@@ -11,7 +11,7 @@ import scipy.spatial.distance
 import kickdrift as kd
 from kickdrift.scenes import worlds
 from kickdrift.world.contact_points import deepest_overlap
-from kickdrift.world.contacts.colouring import OVERFLOW
+from kickdrift.world.contacts.graph_colouring import OVERFLOW
 from kickdrift.world.layout import AWAKE
 from kickdrift.world.tables import BODY, COLOURS
 from kickdrift.world.world import World

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 from test_world_joints_equations import KINDS, Rows, join, motion
 
 from kickdrift.core.errors import LostBodyError, UnsolvedWarning
-from kickdrift.world.joints.axis_options import Drive, Motor
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B
+from kickdrift.world.joints.limits_motors_options import Drive, Motor
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, MOTION, POSE
 from kickdrift.world.world import World
 

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipj, ellipk
 
 from kickdrift.scenes import worlds
-from kickdrift.world.joints.axis_options import Motor
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B
+from kickdrift.world.joints.limits_motors_options import Motor
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS
 from kickdrift.world.world import World
 

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from kickdrift.core.errors import UnsolvedWarning
 from kickdrift.scenes import worlds
-from kickdrift.world.joints.axis_options import FREE, LOCKED, Axis, Drive, Motor
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B
+from kickdrift.world.joints.limits_motors_options import FREE, LOCKED, Axis, Drive, Motor
 from kickdrift.world.layout import BODY_INERTIA, MASS
 from kickdrift.world.tables import INERTIA, JOINT, JOINT_NUMBERS, MOTION
 from kickdrift.world.world import World

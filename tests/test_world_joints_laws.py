@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kickdrift.core.errors import UnsolvedWarning
-from kickdrift.world.joints.axis_options import FREE, LOCKED, Axis, Drive, Motor
+from kickdrift.world.joints.limits_motors_options import FREE, LOCKED, Axis, Drive, Motor
 from kickdrift.world.world import World
 
 G = 9.81

@@ -7,7 +7,7 @@ import pytest
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
 from kickdrift.scenes import worlds
-from kickdrift.world.joints.axis_options import Motor
+from kickdrift.world.joints.limits_motors_options import Motor
 from kickdrift.world.tables import JOINT_NUMBERS, MOTION, POSE
 from kickdrift.world.world import World
 

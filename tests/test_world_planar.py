@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import kickdrift as kd
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis_options import Motor
+from kickdrift.world.joints.limits_motors_options import Motor
 from kickdrift.world.world import World
 
 G = 9.81

@@ -16,8 +16,8 @@ from kickdrift.io.robot_file import load_robot  # noqa: E402
 from kickdrift.io.robots.omissions import gathered  # noqa: E402
 from kickdrift.io.world_file import load_world  # noqa: E402
 from kickdrift.world.joints import layout  # noqa: E402
-from kickdrift.world.joints.axis_options import Drive  # noqa: E402
 from kickdrift.world.joints.layout import ANCHOR_A, ANCHOR_B, BODY_A, BODY_B, FRAME_A, LOWER_LIMIT, UPPER_LIMIT  # noqa: E402
+from kickdrift.world.joints.limits_motors_options import Drive  # noqa: E402
 from kickdrift.world.shapes.mass_properties import rotation_matrix  # noqa: E402
 from kickdrift.world.shapes.plane import Plane  # noqa: E402
 from kickdrift.world.shapes.sphere import Sphere  # noqa: E402

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
-from kickdrift.world.collision.predicted_path import TURN_ERROR
+from kickdrift.world.collision.speculative_motion import TURN_ERROR
 from kickdrift.world.contacts.residual import measure_residual
-from kickdrift.world.joints.axis_options import Motor
 from kickdrift.world.joints.layout import BRAKE
+from kickdrift.world.joints.limits_motors_options import Motor
 from kickdrift.world.step import stepping
 from kickdrift.world.step.rollback import roll_back
 from kickdrift.world.step.stage_loop import run

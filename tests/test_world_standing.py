@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kickdrift.scenes import worlds
-from kickdrift.world.joints.axis_options import Drive
+from kickdrift.world.joints.limits_motors_options import Drive
 from kickdrift.world.tables import INERTIA
 from kickdrift.world.world import World
 

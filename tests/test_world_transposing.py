@@ -3,8 +3,8 @@
 import numpy as np
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.contacts.lane_transpose import gather_rows, scatter_rows
 from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.simd_transpose import gather_rows, scatter_rows
 
 ROWS = np.array([99, 5, 0, 7, 7, 1, 3, 0, 6])  # the first is none of those that are asked for
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.cloth.scene import DAMPING, DENSITY, FRAME, HEIGHT, RADIUS, SIZE, THICKNESS, Draped
 from kickdrift.world import tables
-from kickdrift.world.cloth.layout import PARTS
+from kickdrift.world.deformables.layout import PARTS
 from kickdrift.world.world import World
 
 _SPACING = 0.01  # m, of cloths that hang

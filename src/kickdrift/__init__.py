@@ -69,8 +69,8 @@ if TYPE_CHECKING:
     from kickdrift.scale.ensemble import solve_ensemble
     from kickdrift.systems.symbolic import from_lagrangian, from_sympy
     from kickdrift.world.bodies.part import Part
-    from kickdrift.world.cloth.gusts import gusts
-    from kickdrift.world.joints.axis_options import Axis, Drive, Motor
+    from kickdrift.world.deformables.gusts import gusts
+    from kickdrift.world.joints.limits_motors_options import Axis, Drive, Motor
     from kickdrift.world.shapes.box import Box
     from kickdrift.world.shapes.capsule import Capsule
     from kickdrift.world.shapes.cone import Cone
@@ -156,9 +156,9 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 _LATER = {
     **dict.fromkeys(("from_lagrangian", "from_sympy"), "kickdrift.systems.symbolic"),
     "World": "kickdrift.world.world",
-    "gusts": "kickdrift.world.cloth.gusts",
+    "gusts": "kickdrift.world.deformables.gusts",
     "Part": "kickdrift.world.bodies.part",
-    **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.axis_options"),
+    **dict.fromkeys(("Axis", "Drive", "Motor"), "kickdrift.world.joints.limits_motors_options"),
     **{
         name: f"kickdrift.world.shapes.{name.lower()}"
         for name in ("Box", "Capsule", "Cone", "Cylinder", "Hull", "Sphere")

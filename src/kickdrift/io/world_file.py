@@ -16,10 +16,10 @@ from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.argument_checks import vector
 from kickdrift.world.bodies.shape_rows import SHOWN, Placed, ShapeRows, Surface
-from kickdrift.world.cloth.building import MET_AS
-from kickdrift.world.cloth.layout import CLOTH_GENERATION, DIMENSION
-from kickdrift.world.cloth.wind_functions import force_or_wind_of
 from kickdrift.world.collision.broad_phase.filters import part_joined
+from kickdrift.world.deformables.building import MET_AS
+from kickdrift.world.deformables.layout import CLOTH_GENERATION, DIMENSION
+from kickdrift.world.deformables.wind_functions import force_or_wind_of
 from kickdrift.world.file_integrity import check
 from kickdrift.world.joints.layout import BRAKE, GENERATION, JOINT_KIND, REMOVED_JOINT
 from kickdrift.world.joints.spanning_tree import add_unjoined, arrange

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kickdrift.core.rotations import cross, matrices
 from kickdrift.world import settings
 from kickdrift.world.bodies.registry import Bodies
-from kickdrift.world.cloth.energy import cloth_angular_momentum, cloth_energy, cloth_momentum
+from kickdrift.world.deformables.energy import cloth_angular_momentum, cloth_energy, cloth_momentum
 from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_INERTIA, MASS, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.tables import INERTIA, MOTION, POSE, SETTINGS, Tables
 

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
+from kickdrift.world.contact_events import ContactEvent, events, touching
 from kickdrift.world.contact_points import Contact, contact_points, contacts
-from kickdrift.world.events import ContactEvent, events, touching
 from kickdrift.world.tables import Tables
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world import settings as s
-from kickdrift.world.cloth.integrity import check_cloths
 from kickdrift.world.collision.broad_phase.filters import HIGH_BODY, LOW_BODY
 from kickdrift.world.collision.broad_phase.search_state import NEW, SOUGHT_ANEW
 from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.deformables.integrity import check_cloths
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.joint_kinds import KINDS as JOINT_KINDS
 from kickdrift.world.layout import (
@@ -36,9 +36,9 @@ from kickdrift.world.layout import (
 from kickdrift.world.shapes.record import SOLID, SURFACE
 from kickdrift.world.shapes.shape_kinds import KINDS, met_as
 from kickdrift.world.shapes.triangle import triangles_of
+from kickdrift.world.solver_settings import MOST_SUBSTEPS
 from kickdrift.world.step.status import EXPECTED_HALVINGS, MOST_HALVINGS, OK, STATUS
 from kickdrift.world.table_checks import FileTables
-from kickdrift.world.tuning import MOST_SUBSTEPS
 
 _OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "PREDICTED", "BODY")
 _STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING | c.JUST_LANDED

@@ -9,7 +9,7 @@ from kickdrift.core.compilation import Function
 from kickdrift.world.argument_checks import vector
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
-from kickdrift.world.cloth.wind_functions import WINDS
+from kickdrift.world.deformables.wind_functions import WINDS
 from kickdrift.world.force_functions import Force, force_of
 from kickdrift.world.layout import LOAD_FORCE, LOAD_TORQUE, POSITION
 from kickdrift.world.tables import LOAD, POSE, Tables

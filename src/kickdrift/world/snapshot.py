@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
 from kickdrift.world.bodies.shape_rows import Placed
-from kickdrift.world.cloth.particle_tables import OF_A_STEP
 from kickdrift.world.collision.broad_phase.search_state import shapes_new
+from kickdrift.world.deformables.particle_tables import OF_A_STEP
 from kickdrift.world.force_functions import Force
 from kickdrift.world.tables import JOINT, POSE, SETTINGS, STARTED_JOINTS, Table, Tables
 

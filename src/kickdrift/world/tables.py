@@ -89,8 +89,8 @@ STARTED_MOTION = Table(33, MOTION.width)
 STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.step.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 STARTED_IMPULSE = Table(29, 12)  # of contacts: see `kickdrift.world.contacts.batch_division`
-PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_path`
-SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_path`
+PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.speculative_motion`
+SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.speculative_motion`
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.broad_phase.search_state`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not
@@ -106,9 +106,9 @@ MEMBER = Table(63, 1, whole=True)  # bodies that a substep moves, one batch afte
 BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
-# Cloths: see `kickdrift.world.cloth.layout`
+# Cloths: see `kickdrift.world.deformables.layout`
 CLOTH, CLOTH_NUMBERS = Table(66, 24, whole=True), Table(67, 32)
-PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.cloth.particle_fields`
+PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.deformables.particle_fields`
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth
 FACE_NUMBERS = Table(71, 8)
@@ -120,11 +120,11 @@ STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)
 PARTICLE_SHIFT, PARTICLE_BOUNDS = Table(84, 4), Table(85, 8)
 CLOTH_PAIR, CLOTH_PAIR_NUMBERS = Table(86, 8, whole=True), Table(87, 14)  # vertex and triangle, or edges
-CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.cloth.collision.face_tree`
+CLOTH_TREE = Table(88, 8)  # over the triangles of each cloth: see `kickdrift.world.deformables.self_collision.face_bvh`
 NORMAL_TREE = Table(95, 8)  # likewise, over their normals
 CLOTH_TREE_NODE, TREE_NEIGHBOUR = Table(89, 4, whole=True), Table(103, 2, whole=True)  # nodes
 FACE_BOUNDS, FACE_NORMALS, FACE_STARS = Table(90, 8), Table(91, 8), Table(108, 3, whole=True)
-# of each particle: see `kickdrift.world.cloth.collision.impact_zones`
+# of each particle: see `kickdrift.world.deformables.self_collision.impact_zones`
 ZONE, ZONE_NUMBERS = Table(92, 4, whole=True), Table(93, 16)
 CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)

@@ -19,12 +19,12 @@ from kickdrift.world.bodies.adding_surfaces import AddsSurfaces
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.bodies.views import BodyViews
-from kickdrift.world.cloth.adding import AddsCloths
-from kickdrift.world.cloth.adding_ropes import AddsRopes
-from kickdrift.world.cloth.adding_soft_bodies import AddsSoftBodies
-from kickdrift.world.cloth.registry import Cloths
 from kickdrift.world.conserved_quantities import ConservedQuantities
 from kickdrift.world.contact_views import ContactViews
+from kickdrift.world.deformables.adding import AddsCloths
+from kickdrift.world.deformables.adding_ropes import AddsRopes
+from kickdrift.world.deformables.adding_soft_bodies import AddsSoftBodies
+from kickdrift.world.deformables.registry import Cloths
 from kickdrift.world.force_functions import Force
 from kickdrift.world.forces import AppliesForces
 from kickdrift.world.joints.adding import AddsJoints
@@ -34,11 +34,11 @@ from kickdrift.world.query_api import SpatialQueries
 from kickdrift.world.recordings.recording_api import KeepsHistory
 from kickdrift.world.recordings.recording_rows import Recorder
 from kickdrift.world.snapshot import Snapshot
+from kickdrift.world.solver_settings import Tunable
 from kickdrift.world.step.stage_order import Program
 from kickdrift.world.step.stepping import DoesSteps
 from kickdrift.world.step.warnings import say
 from kickdrift.world.tables import COLOURS, GRAPH, KERNEL_ADDRESSES, SETTINGS, STEP_STATUS, VIEW, Tables
-from kickdrift.world.tuning import Tunable
 
 
 def _revived(kind: type[World], snapshot: Snapshot, threads: bool) -> World:

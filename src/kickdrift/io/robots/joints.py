@@ -10,7 +10,7 @@ from kickdrift.io.robots.laws import Actuator, axis_of
 from kickdrift.io.robots.parsing import Model
 from kickdrift.io.robots.records import Found, record_of
 from kickdrift.io.robots.rotors import add_rotor
-from kickdrift.world.joints.axis_options import Axis
+from kickdrift.world.joints.limits_motors_options import Axis
 from kickdrift.world.joints.record import Record
 from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.shapes.mass_properties import Mass

@@ -6,7 +6,7 @@ from typing import Any
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.joints.axis_options import Axis, Drive
+from kickdrift.world.joints.limits_motors_options import Axis, Drive
 
 _ANY = (-math.inf, math.inf)
 

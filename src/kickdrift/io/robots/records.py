@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.io.robots.parsing import Model
-from kickdrift.world.joints.axis_options import LOCKED, Axis, Drive
 from kickdrift.world.joints.ball import Ball
 from kickdrift.world.joints.hinge import Hinge
+from kickdrift.world.joints.limits_motors_options import LOCKED, Axis, Drive
 from kickdrift.world.joints.record import Record
 from kickdrift.world.joints.six_dof import SixDof
 from kickdrift.world.joints.slider import Slider

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from kickdrift.world.cloth.gusts import gusts
+from kickdrift.world.deformables.gusts import gusts
 from kickdrift.world.world import World
 
 _UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # weft up, warp along x

@@ -13,7 +13,7 @@ from kickdrift.core.rotations import Floats, about, turned
 from kickdrift.core.vectors import Vector
 from kickdrift.scenes.worlds.placing import between, scatter
 from kickdrift.world.bodies.handle import Body
-from kickdrift.world.joints.axis_options import Drive
+from kickdrift.world.joints.limits_motors_options import Drive
 from kickdrift.world.world import World
 
 Person = dict[str, Body]  # bodies by name, such as "pelvis" or "left thigh"

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from kickdrift.scenes.worlds.humanoids import PELVIS, add_person
-from kickdrift.world.cloth.gusts import gusts
-from kickdrift.world.cloth.mesh import grid
-from kickdrift.world.joints.axis_options import Drive
+from kickdrift.world.deformables.gusts import gusts
+from kickdrift.world.deformables.mesh import grid
+from kickdrift.world.joints.limits_motors_options import Drive
 from kickdrift.world.world import World
 
 

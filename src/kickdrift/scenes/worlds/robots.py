@@ -7,8 +7,8 @@ from typing import NamedTuple
 from kickdrift.core.vectors import Vector
 from kickdrift.scenes.worlds.placing import between
 from kickdrift.world.bodies.handle import Body
-from kickdrift.world.joints.axis_options import Drive
 from kickdrift.world.joints.handle import Joint
+from kickdrift.world.joints.limits_motors_options import Drive
 from kickdrift.world.world import World
 
 

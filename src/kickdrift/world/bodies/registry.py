@@ -13,7 +13,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.collision.broad_phase.search_state import shapes_changed
-from kickdrift.world.contacts.mass_update import scale_impulses
+from kickdrift.world.contacts.body_mass_change import scale_impulses
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
     AWAKE,

@@ -9,9 +9,9 @@ from kickdrift.world.collision.body_acceleration import closing_acceleration, re
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.collision.narrow_phase.impulse_matching import reserve_lost_points
 from kickdrift.world.collision.narrow_phase.manifolds import find_manifold, smallest
-from kickdrift.world.collision.predicted_path import fastest_turn, has_change, way_on_path
 from kickdrift.world.collision.shape_poses import placed_pose
 from kickdrift.world.collision.shape_properties import half_width, is_round, sort_of
+from kickdrift.world.collision.speculative_motion import fastest_turn, has_change, way_on_path
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,

@@ -9,9 +9,9 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import conjugate, exponential, product, times
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.body_gather_simd import gather, gather_inertia
 from kickdrift.world.contacts.contact_solver_simd import run_kernel
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
-from kickdrift.world.contacts.group_bodies import gather, gather_inertia
 from kickdrift.world.contacts.impacts.impact_motion import is_moved, way_to
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,

@@ -11,7 +11,6 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.lane_vectors import NEXT, W, put, vector
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
     DELTA_POSE_B,
@@ -28,6 +27,7 @@ from kickdrift.world.contacts.prepare_simd import (
     response_to,
     turned,
 )
+from kickdrift.world.contacts.simd_vectors import NEXT, W, put, vector
 
 # Factors by which turns about the normal and slides count more than tilts in deciding whether arms are kept
 TWIST_STRICTNESS, SLIP_STRICTNESS = 50.0, 2.0

@@ -6,10 +6,10 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
-from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.constraint_inputs import gather
 from kickdrift.world.contacts.contact_solver_simd import run_kernel
-from kickdrift.world.contacts.lane_transpose import fetch_rows
+from kickdrift.world.contacts.graph_colouring import LINKED
+from kickdrift.world.contacts.simd_transpose import fetch_rows
 from kickdrift.world.contacts.softness import softness
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
 from kickdrift.world.tables import (

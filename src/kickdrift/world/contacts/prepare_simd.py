@@ -11,7 +11,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import Fields
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.lane_vectors import NEXT, W, put, vector
+from kickdrift.world.contacts.simd_vectors import NEXT, W, put, vector
 
 # Fields of raw
 _RAW = Fields()

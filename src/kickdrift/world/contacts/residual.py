@@ -8,10 +8,10 @@ from kickdrift.core.vectors import length
 from kickdrift.world.collision.body_acceleration import weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED
 from kickdrift.world.contacts.contact_solver_simd import run_kernel
-from kickdrift.world.contacts.lane_transpose import gather_rows
+from kickdrift.world.contacts.graph_colouring import LINKED
 from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
+from kickdrift.world.contacts.simd_transpose import gather_rows
 from kickdrift.world.layout import RESIDUAL_SIZE
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SLOP
 from kickdrift.world.tables import (

@@ -13,9 +13,9 @@ from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.arm_refresh import find_stale, gather_for_arms, refresh_marked
-from kickdrift.world.contacts.colouring import LINKED, OVERFLOW, is_linked
+from kickdrift.world.contacts.body_gather_simd import add_changes, fetch, gather, gather_inertia, scatter
 from kickdrift.world.contacts.contact_solver_simd import run_kernel
-from kickdrift.world.contacts.group_bodies import add_changes, fetch, gather, gather_inertia, scatter
+from kickdrift.world.contacts.graph_colouring import LINKED, OVERFLOW, is_linked
 from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, SCRATCH_SIZE, VELOCITY_A
 from kickdrift.world.settings import PUSH_SPEED, SLOP
 from kickdrift.world.tables import (

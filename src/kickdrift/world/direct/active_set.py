@@ -1,9 +1,7 @@
 """Active-set method: the equations of an island are solved until the solution lies on the assumed pieces of all laws."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
-from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
-from kickdrift.world.direct.contact_states import (
+from kickdrift.world.direct.contact_active_set import (
     BOUNCE,
     BOUNCE_FRICTION,
     REST,
@@ -12,6 +10,8 @@ from kickdrift.world.direct.contact_states import (
     phase_of,
     update_contact_states,
 )
+from kickdrift.world.direct.contact_assembly import add_contacts, load_contacts
+from kickdrift.world.direct.contact_impulses import give_contacts, predict_contacts, refine_contacts
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.island_velocities import inner_speed
 from kickdrift.world.direct.joint_impulses import give_joints
@@ -20,8 +20,8 @@ from kickdrift.world.direct.line_search import search_line
 from kickdrift.world.direct.loop_closures import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
-from kickdrift.world.joints.axis_laws import refine_laws, update_law_states
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
+from kickdrift.world.joints.limits_motors import refine_laws, update_law_states
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 # Largest number of solutions with different pieces of laws assumed. With 40, sixteen ragdolls in a heap take 1.7 times as long,

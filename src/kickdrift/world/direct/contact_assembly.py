@@ -4,9 +4,9 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import plus_scaled, put_spatial, put_spatial_of, spatial_at, spatial_of
+from kickdrift.world.direct.contact_active_set import twelve
 from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
-from kickdrift.world.direct.contact_states import twelve
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,

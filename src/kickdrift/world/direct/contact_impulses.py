@@ -3,9 +3,9 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import inner, plus_scaled, put_spatial_of, spatial_at, spatial_of
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct.contact_active_set import BOUNCE, PRESS, REST, read_both, twelve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row
 from kickdrift.world.direct.contact_rows import bind, bind_points, bound_of, first_row, give_of, impulse_field
-from kickdrift.world.direct.contact_states import BOUNCE, PRESS, REST, read_both, twelve
 from kickdrift.world.direct.contact_wrenches import along, write_wrench
 from kickdrift.world.direct.layout import (
     ACTIVE,

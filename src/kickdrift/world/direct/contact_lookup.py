@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.colouring import LINKED
+from kickdrift.world.contacts.graph_colouring import LINKED
 from kickdrift.world.tables import COLOURS, CONTACT_ROW, GROUPS, LANES, flat, integers
 
 _COLUMNS = CONTACT_ROW.width

@@ -6,9 +6,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.direct.contact_active_set import REST, twelve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.contact_states import REST, twelve
 from kickdrift.world.direct.contact_wrenches import write_wrench
 from kickdrift.world.direct.direct_bodies import body_of, node_of, place_in
 from kickdrift.world.direct.island_calls import aim_island, solve

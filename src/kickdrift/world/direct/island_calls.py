@@ -30,7 +30,7 @@ def solve(world: int, island: int, h: float, ahead: float, task: int, afresh: bo
 
 @compiled(inline=True)
 def aim_island(world: int, island: int, h: float, mode: int) -> float:
-    """Call `kickdrift.world.direct.right_hand_sides.aim_joints` if the island has joints; without them nothing is off."""
+    """Call `island_right_hand_sides.aim_joints` if the island has joints; without them nothing is off."""
     if integers(world, ISLAND)[island, HAS_JOINTS] == 0:
         return 0.0
     off: float = _aim(integers(world, KERNEL_ADDRESSES)[0, AIM_JOINTS], (world, island, h, mode))

@@ -21,9 +21,9 @@ from kickdrift.world.collision.continuous.missed_contacts import drop_paths
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
 from kickdrift.world.contacts.impacts.struck_bodies import strikes
+from kickdrift.world.direct.contact_active_set import BOUNCE, BOUNCE_FRICTION, read_both, twelve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.contact_rows import impulse_field
-from kickdrift.world.direct.contact_states import BOUNCE, BOUNCE_FRICTION, read_both, twelve
 from kickdrift.world.direct.contact_wrenches import along, write_wrench
 from kickdrift.world.direct.energy_bounds import energy_driven
 from kickdrift.world.direct.energy_guard import NO_MORE, has_more

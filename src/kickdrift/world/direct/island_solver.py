@@ -13,8 +13,15 @@ the drift too, and the poses of bodies are corrected.
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.contact_active_set import (
+    PRESS,
+    begin_contacts,
+    fastest_push,
+    is_cut,
+    note_impulses,
+    push_less,
+)
 from kickdrift.world.direct.contact_impulses import forget_contacts, left_of_contacts
-from kickdrift.world.direct.contact_states import PRESS, begin_contacts, fastest_push, is_cut, note_impulses, push_less
 from kickdrift.world.direct.energy_bounds import energy_given
 from kickdrift.world.direct.energy_guard import allowance
 from kickdrift.world.direct.island_calls import aim_island, solve

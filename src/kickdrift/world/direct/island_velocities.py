@@ -9,9 +9,9 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, dot, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.direct.contact_active_set import note_impulses
 from kickdrift.world.direct.contact_impulses import forget_contacts
 from kickdrift.world.direct.contact_lookup import bodies_of
-from kickdrift.world.direct.contact_states import note_impulses
 from kickdrift.world.direct.direct_bodies import body_of, is_across
 from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, AFTER_NODE, FIRST_CONTACT, FIRST_JOINT, FIRST_NODE
 from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED

@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, exponential, times, turned
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.contact_states import BOUNCE
+from kickdrift.world.direct.contact_active_set import BOUNCE
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
 from kickdrift.world.joints.geometric_stiffness import set_brakes
 from kickdrift.world.joints.joint_warm_start import note_speeds, push_bodies

@@ -10,9 +10,9 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct.contact_active_set import phase_of
 from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
-from kickdrift.world.direct.contact_states import phase_of
 from kickdrift.world.direct.direct_bodies import mass_of
 from kickdrift.world.direct.island_velocities import kinetic_energy
 from kickdrift.world.direct.layout import (
@@ -34,7 +34,6 @@ from kickdrift.world.direct.layout import (
     TANGENT,
     WANTED,
 )
-from kickdrift.world.joints.axis_laws import law_impulse
 from kickdrift.world.joints.layout import (
     ACCEPTED_DELTA_SPEED,
     ACCEPTED_IMPULSE,
@@ -44,6 +43,7 @@ from kickdrift.world.joints.layout import (
     PUSH,
     SLOPE,
 )
+from kickdrift.world.joints.limits_motors import law_impulse
 from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CONTACT,

@@ -5,7 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.contact_states import twelve
+from kickdrift.world.direct.contact_active_set import twelve
 from kickdrift.world.direct.gear_assembly import add_gear, load_gear, moved_gear
 from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING
 from kickdrift.world.direct.matrix import add_row

@@ -3,14 +3,14 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.direct.contact_states import REST
+from kickdrift.world.direct.contact_active_set import REST
 from kickdrift.world.direct.island_calls import aim_island, solve
 from kickdrift.world.direct.island_velocities import fastest, kinetic_energy, note_velocities
 from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, CORRECTION, FIRST_JOINT, FIRST_NODE, LINK_ROW
 from kickdrift.world.direct.loop_closures import has_loops, stay_closings
+from kickdrift.world.joints.delta_pose import shift_body
 from kickdrift.world.joints.kinematics import measure_joint
 from kickdrift.world.joints.layout import ANGULAR_PART, GAIN, LINEAR_PART, LINK_BODY, LINK_JOINT
-from kickdrift.world.joints.pose_shift import shift_body
 from kickdrift.world.joints.right_hand_side import REPAIR
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, LINK, LINK_NUMBERS, MOTION, NODE, NOTED, floats, integers
 

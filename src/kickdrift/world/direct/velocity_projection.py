@@ -1,7 +1,7 @@
 """Relaxation of islands: the projection of velocities after the drift, and the judgement of the energy that it leaves."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.contact_states import REST, is_cut, note_impulses
+from kickdrift.world.direct.contact_active_set import REST, is_cut, note_impulses
 from kickdrift.world.direct.energy_guard import gained
 from kickdrift.world.direct.island_calls import aim_island, repair, solve
 from kickdrift.world.direct.island_solver import project, solve_at_once

@@ -18,7 +18,7 @@ from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.hinge import Hinge
 from kickdrift.world.joints.record import Record
 from kickdrift.world.joints.registry import Joints
-from kickdrift.world.joints.rope import Rope
+from kickdrift.world.joints.rope_joint import Rope
 from kickdrift.world.joints.six_dof import SixDof
 from kickdrift.world.joints.slider import Slider
 from kickdrift.world.joints.spring import Spring

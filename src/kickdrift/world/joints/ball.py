@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.argument_checks import direction, vector
-from kickdrift.world.joints.axis_options import LOCKED, Axis, Drive, check_kind, is_number, pair
+from kickdrift.world.joints.limits_motors_options import LOCKED, Axis, Drive, check_kind, is_number, pair
 from kickdrift.world.joints.record import Placement, Record, frame_along
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from kickdrift.world.joints.axis_options import LOCKED
+from kickdrift.world.joints.limits_motors_options import LOCKED
 from kickdrift.world.joints.point_to_point import line_placement
 from kickdrift.world.joints.record import Placement, Record
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kickdrift.world.argument_checks import vector
-from kickdrift.world.joints.axis_options import LOCKED
+from kickdrift.world.joints.limits_motors_options import LOCKED
 from kickdrift.world.joints.record import Placement, Record
 
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.axis_options import LOCKED, finite
+from kickdrift.world.joints.forward_kinematics import measure_again
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.placement import measure_again
+from kickdrift.world.joints.limits_motors_options import LOCKED, finite
 from kickdrift.world.joints.record import Geared, Placement, Record
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS

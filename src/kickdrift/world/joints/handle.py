@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from kickdrift.core.arguments import is_whole
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis_options import finite
-from kickdrift.world.joints.handle_laws import HasLaws
+from kickdrift.world.joints.forward_kinematics import place, set_speed
+from kickdrift.world.joints.handle_limits_motors import HasLaws
 from kickdrift.world.joints.layout import AXES, JOINT_POSITION, TOTAL
-from kickdrift.world.joints.placement import place, set_speed
+from kickdrift.world.joints.limits_motors_options import finite
 from kickdrift.world.joints.views import JointViews, look_up
 from kickdrift.world.layout import AWAKE, LOAD_TORQUE, TIME_AT_REST
 

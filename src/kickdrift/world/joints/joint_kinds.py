@@ -6,7 +6,7 @@ from kickdrift.world.joints.fixed import Fixed
 from kickdrift.world.joints.gear import Gear
 from kickdrift.world.joints.hinge import Hinge
 from kickdrift.world.joints.record import Record
-from kickdrift.world.joints.rope import Rope
+from kickdrift.world.joints.rope_joint import Rope
 from kickdrift.world.joints.six_dof import SixDof
 from kickdrift.world.joints.slider import Slider
 from kickdrift.world.joints.spring import Spring

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
 from kickdrift.world.argument_checks import vector
-from kickdrift.world.joints.axis_options import FREE, Axis, is_number
+from kickdrift.world.joints.limits_motors_options import FREE, Axis, is_number
 from kickdrift.world.joints.record import Placement, frame_along
 
 

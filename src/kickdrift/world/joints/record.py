@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.rotations import cross
 from kickdrift.world.argument_checks import direction
-from kickdrift.world.joints.axis_options import FREE, Axis, not_negative
+from kickdrift.world.joints.limits_motors_options import FREE, Axis, not_negative
 
 Floats = NDArray[np.float64]
 Axes = tuple[Axis, Axis, Axis]

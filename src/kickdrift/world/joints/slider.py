@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from kickdrift.world.argument_checks import direction, vector
-from kickdrift.world.joints.axis_options import LOCKED, Axis, Drive, Motor
+from kickdrift.world.joints.limits_motors_options import LOCKED, Axis, Drive, Motor
 from kickdrift.world.joints.record import Placement, Record, frame_along
 
 

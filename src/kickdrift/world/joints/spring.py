@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.joints.axis_options import Axis, Drive
+from kickdrift.world.joints.limits_motors_options import Axis, Drive
 from kickdrift.world.joints.point_to_point import line_placement
 from kickdrift.world.joints.record import Placement, Record
 

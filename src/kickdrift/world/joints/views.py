@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kickdrift.world.joints.forward_kinematics import signs
 from kickdrift.world.joints.layout import ARM_A, ARM_B, AXES, BODY_A, BODY_B, LOCKED, PRINCIPAL
-from kickdrift.world.joints.placement import signs
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, STATIC, TIME_AT_REST
 from kickdrift.world.tables import BODY, JOINT, JOINT_NUMBERS, LOAD, MOTION, RESTED, Tables
 

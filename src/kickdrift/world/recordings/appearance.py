@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.cloth.layout import CLOTH_RADIUS, CORNERS, DIMENSION, FIRST_PARTICLE, ROPE
-from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.cloth.rope_surface import tube
-from kickdrift.world.cloth.substep_choice import WORDS
+from kickdrift.world.deformables.layout import CLOTH_RADIUS, CORNERS, DIMENSION, FIRST_PARTICLE, ROPE
+from kickdrift.world.deformables.registry import Cloths
+from kickdrift.world.deformables.rope_surface import tube
+from kickdrift.world.deformables.substep_choice import WORDS
 from kickdrift.world.joints import layout
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC
 from kickdrift.world.shapes.record import Shape

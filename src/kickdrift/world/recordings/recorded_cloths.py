@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.cloth import layout as c
-from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.cloth.row_ranges import rows_of
+from kickdrift.world.deformables import layout as c
+from kickdrift.world.deformables.registry import Cloths
+from kickdrift.world.deformables.row_ranges import rows_of
 from kickdrift.world.recordings.appearance import DrawnCloth, drawn_cloths
 from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_REST
 

@@ -16,7 +16,7 @@ from kickdrift.engine.announcing import compiling_announced
 from kickdrift.engine.grid import Grid, lay_grid
 from kickdrift.engine.progress import Bar
 from kickdrift.engine.zarr_store import ZarrStore
-from kickdrift.world.joints.axis_options import is_number
+from kickdrift.world.joints.limits_motors_options import is_number
 from kickdrift.world.recordings.checkpoints import NOT_KEPT, Keeper, Kept, step_of_row
 from kickdrift.world.recordings.recording import Recording
 from kickdrift.world.recordings.recording_rows import Recorder, RecordingRows

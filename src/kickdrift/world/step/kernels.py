@@ -7,9 +7,9 @@ from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.layout import AIM_JOINTS, REPAIR_POSES, SOLVE_EQUATIONS
 from kickdrift.world.direct.active_set import solve_island
 from kickdrift.world.direct.island_calls import AIM, REPAIR, SOLVE
+from kickdrift.world.direct.island_right_hand_sides import aim_joints
 from kickdrift.world.direct.island_solver import solve_islands
 from kickdrift.world.direct.position_correction import correct_poses
-from kickdrift.world.direct.right_hand_sides import aim_joints
 from kickdrift.world.joints.prepare import begin_joints
 from kickdrift.world.step.stage_order import Word
 

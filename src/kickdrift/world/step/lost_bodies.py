@@ -3,7 +3,7 @@
 import numpy as np
 
 from kickdrift.core.errors import LostBodyError
-from kickdrift.world.cloth.layout import FIRST_PARTICLE, LAST_PARTICLE, PARTICLE_VELOCITY
+from kickdrift.world.deformables.layout import FIRST_PARTICLE, LAST_PARTICLE, PARTICLE_VELOCITY
 from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, BOUNDING_RADIUS, INVERSE_INERTIA, KINEMATIC, MASS
 from kickdrift.world.tables import (
     BODY,

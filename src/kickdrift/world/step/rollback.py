@@ -4,11 +4,11 @@ import numpy as np
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import is_scaled, unit
-from kickdrift.world.cloth.cloth_step import roll_back_cloths
 from kickdrift.world.collision.broad_phase.search_state import shapes_changed
 from kickdrift.world.columns import column, quaternion_at
 from kickdrift.world.contacts.batch_division import roll_back_impulses
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
+from kickdrift.world.deformables.cloth_step import roll_back_cloths
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
     AWAKE,

@@ -7,11 +7,6 @@ from numpy.typing import NDArray
 
 from kickdrift.core.calls import address_of
 from kickdrift.core.compilation import Function
-from kickdrift.world.cloth.cloth_step import begin_cloths, move_cloths
-from kickdrift.world.cloth.contacts.body_contacts import find_cloth_contacts
-from kickdrift.world.cloth.contacts.predicted_loads import predict_later_loads, predict_loads
-from kickdrift.world.cloth.forces.aerodynamics import calm
-from kickdrift.world.cloth.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.collision.broad_phase.pair_update import find_pairs
 from kickdrift.world.collision.contact_recycling import find_points
 from kickdrift.world.collision.continuous.missed_contacts import drop_paths, find_missed
@@ -19,24 +14,29 @@ from kickdrift.world.collision.continuous.rotation_limit import divide_fast_rota
 from kickdrift.world.collision.continuous.time_of_impact import find_impacts
 from kickdrift.world.collision.narrow_phase.impulse_matching import pass_on_impulses
 from kickdrift.world.collision.narrow_phase.manifolds import place_shapes
-from kickdrift.world.collision.predicted_path import begin_paths, follow_paths
+from kickdrift.world.collision.speculative_motion import begin_paths, follow_paths
+from kickdrift.world.contact_events import note_touching
 from kickdrift.world.contacts.arm_refresh import refresh_hit
 from kickdrift.world.contacts.batch_division import find_batches
-from kickdrift.world.contacts.colouring import colour
+from kickdrift.world.contacts.graph_colouring import colour
 from kickdrift.world.contacts.impacts.restitution import bounce, find_bouncing
 from kickdrift.world.contacts.prepare import prepare
 from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.sequential_impulses import THREADED, relax, solve, store, warm_start
+from kickdrift.world.deformables.body_contacts.particle_contacts import find_cloth_contacts
+from kickdrift.world.deformables.body_contacts.predicted_loads import predict_later_loads, predict_loads
+from kickdrift.world.deformables.cloth_step import begin_cloths, move_cloths
+from kickdrift.world.deformables.forces.aerodynamics import calm
+from kickdrift.world.deformables.sleeping import rest_cloths, wake_cloths
+from kickdrift.world.direct.block_gauss_seidel import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.direct_bodies import find_nodes
 from kickdrift.world.direct.energy_loss import note_losses
 from kickdrift.world.direct.half_kicks import complete_half_kicks, mark_half_kicks
 from kickdrift.world.direct.island_restitution import bounce_islands
 from kickdrift.world.direct.island_solver import measure_islands, solve_islands
 from kickdrift.world.direct.islands import find_islands
-from kickdrift.world.direct.joint_gauss_seidel import relax_in_turn, solve_in_turn
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.direct.velocity_projection import relax_islands
-from kickdrift.world.events import note_touching
 from kickdrift.world.force_functions import begin_forces, begin_later_forces
 from kickdrift.world.integration import complete_free_kicks, drift, find_lost, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints

@@ -13,11 +13,11 @@ from kickdrift.core.threads import present
 from kickdrift.world import settings
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.bodies.shape_rows import ShapeRows
-from kickdrift.world.cloth.registry import Cloths
-from kickdrift.world.cloth.wind_functions import WINDS
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.contacts.batch_division import FEW
 from kickdrift.world.contacts.layout import LANE_COUNT, WIDTH
+from kickdrift.world.deformables.registry import Cloths
+from kickdrift.world.deformables.wind_functions import WINDS
 from kickdrift.world.force_functions import FORCES, Force, put_numbers
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.joints.registry import Joints

@@ -1,7 +1,7 @@
 """Contact of two boxes: separating axis test with fifteen axes, then face against face or edge against edge.
 
 The axes are the face normals of both boxes and the products of their edges (Gottschalk, Lin and Manocha 1996, section
-5). Vertices, faces and edges are numbered as in `kickdrift.world.collision.narrow_phase.box_polyhedron`.
+5). Vertices, faces and edges are numbered as in `kickdrift.world.collision.narrow_phase.box_as_polyhedron`.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, times
-from kickdrift.world.collision.narrow_phase.box_polyhedron import (
+from kickdrift.world.collision.narrow_phase.box_as_polyhedron import (
     EDGE_ALONG,
     UNIT_BOX,
     axis_of,
@@ -24,7 +24,7 @@ from kickdrift.world.collision.narrow_phase.box_polyhedron import (
 from kickdrift.world.collision.narrow_phase.clipping import CORNER, clip
 from kickdrift.world.collision.narrow_phase.face_bias import PARALLEL, SHARE_OFF, SLACK, tolerance_of
 from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE, choose, put_candidates, put_manifold
-from kickdrift.world.collision.narrow_phase.polyhedra_edges import EDGE, put_closest, put_edges, put_row
+from kickdrift.world.collision.narrow_phase.sat_edges import EDGE, put_closest, put_edges, put_row
 from kickdrift.world.collision.narrow_phase.shape_frames import set_at_rest, set_frame
 from kickdrift.world.shapes.polyhedron import EDGES, edge, loop_edge
 
@@ -140,7 +140,7 @@ def _clipped(
 
 @compiled
 def _put_all_edges(half: Any, frame: Any, edges: Any) -> int:
-    """Write all edges of a box as rows for `polyhedra_edges`, without normals; return how many."""
+    """Write all edges of a box as rows for `sat_edges`, without normals; return how many."""
     count = int(UNIT_BOX[EDGES])
     for k in range(count):
         begin, end, _, _ = edge(UNIT_BOX, k)

@@ -1,7 +1,7 @@
 """Contact points of a frustum and a polyhedron: on a face, on an end of the frustum, or at an edge.
 
 Positions are in the frame of the frustum, the second shape. The polyhedron is given twice: by its numbers, and by its vertices
-and planes in that frame (`kickdrift.world.collision.narrow_phase.polyhedra_faces`).
+and planes in that frame (`kickdrift.world.collision.narrow_phase.sat_faces`).
 """
 
 import math
@@ -24,7 +24,7 @@ from kickdrift.world.collision.narrow_phase.manifold_reduction import (
     choose,
     put_candidate,
 )
-from kickdrift.world.collision.narrow_phase.polyhedra_faces import incident_face
+from kickdrift.world.collision.narrow_phase.sat_faces import incident_face
 from kickdrift.world.collision.narrow_phase.shape_frames import directed_back, placed_back
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, highest, side_normal

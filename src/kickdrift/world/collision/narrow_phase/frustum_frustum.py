@@ -16,10 +16,10 @@ from kickdrift.world.collision.narrow_phase.capsule_manifold import NEARLY_PARAL
 from kickdrift.world.collision.narrow_phase.epa import DEEP, is_off, overlap_of_frusta, put_overlap
 from kickdrift.world.collision.narrow_phase.face_bias import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.narrow_phase.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
-from kickdrift.world.collision.narrow_phase.frustum_polyhedra import polyhedron_frustum
+from kickdrift.world.collision.narrow_phase.frustum_polyhedron import polyhedron_frustum
 from kickdrift.world.collision.narrow_phase.frustum_round import FLAT_ON, line_of, lowest_direction
-from kickdrift.world.collision.narrow_phase.frustum_separation import gap_along, separation
 from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
+from kickdrift.world.collision.narrow_phase.sat_frustum import gap_along, separation
 from kickdrift.world.collision.narrow_phase.shape_frames import (
     directed,
     directed_back,

@@ -1,4 +1,4 @@
-"""Contact of cylinders and cones with a triangle of a mesh, which is one-sided: see `triangle_polyhedra`."""
+"""Contact of cylinders and cones with a triangle of a mesh, which is one-sided: see `triangle_polyhedron`."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import dot, length, minus, times
 from kickdrift.world.collision.narrow_phase.face_bias import SHARE_OFF, tolerance_of
 from kickdrift.world.collision.narrow_phase.frustum_faces import lie_on_face, touch_edge
-from kickdrift.world.collision.narrow_phase.polyhedra_faces import PLACED, lowest, place_polyhedron
+from kickdrift.world.collision.narrow_phase.sat_faces import PLACED, lowest, place_polyhedron
 from kickdrift.world.collision.narrow_phase.shape_frames import set_frame_back
-from kickdrift.world.collision.narrow_phase.triangle_polyhedra import BEHIND, SIZE_OF_TRIANGLE, set_triangle
+from kickdrift.world.collision.narrow_phase.triangle_polyhedron import BEHIND, SIZE_OF_TRIANGLE, set_triangle
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import deepest, frustum_of, highest
 from kickdrift.world.shapes.polyhedron import plane, support, vertex

@@ -1,1 +1,0 @@
-"""Cloth: particles connected by triangles that resist stretching, shearing and bending."""

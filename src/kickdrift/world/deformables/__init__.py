@@ -1,0 +1,1 @@
+"""Deformable bodies: cloths, ropes and soft bodies, as particles that elastic forces connect."""

@@ -1,0 +1,102 @@
+"""Contacts of eight particles at once with shapes that they do not move: see `contact_solver`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.simd_transpose import transposed
+from kickdrift.world.deformables.layout import (
+    CLOTH_NORMAL,
+    CLOTH_OFFSET,
+    CONTACT_FRICTION,
+    GROUND_VELOCITY,
+    PARTICLE_VELOCITY,
+    TOUCHING_PARTICLE,
+)
+from kickdrift.world.deformables.simd_vectors import (
+    NUMBER,
+    VECTOR,
+    WORD,
+    Lanes,
+    begin_of,
+    dot,
+    plus,
+    same,
+    vector_pointer,
+)
+from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, PARTICLE
+
+_TINY = 1e-300
+
+
+@intrinsic
+def resolve_lanes(
+    context: Any, contacts: Any, numbers: Any, particles: Any, row: Any, part: Any, push: Any, advance: Any
+) -> Any:
+    """Resolve eight contacts, from a row on, of different particles: mass does not matter where no body is moved."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        contacts, numbers, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
+        row, (part, push, advance) = values[3], (same(builder, value) for value in values[4:7])
+        places = [_row_of(builder, contacts, row, lane) for lane in range(WIDTH)]
+        number, own = (
+            _fields(builder, table, of) for table, of in ((numbers, _rows(builder, row)), (particles, places))
+        )
+        zero, n = Lanes(builder, ir.Constant(VECTOR, None)), [number[CLOTH_NORMAL + k] for k in range(3)]
+        ground = [number[GROUND_VELOCITY + k] for k in range(3)]
+        v = [own[PARTICLE_VELOCITY + k] - ground[k] for k in range(3)]
+        approach, gap = dot(n, v), dot(n, own[:3]) - number[CLOTH_OFFSET]
+        out = _larger(_smaller(zero - gap, part * push), zero)
+        wanted = zero - _larger(gap + out, zero) / part
+        _put_offsets(builder, numbers, row, number[CLOTH_OFFSET] + advance * dot(n, ground))
+        more = _larger(wanted - approach, zero)
+        slip = [v[k] - approach * n[k] for k in range(3)]
+        speed = dot(slip, slip).root()
+        stopped = _smaller(number[CONTACT_FRICTION] * more, speed) / _larger(speed, same(builder, NUMBER(_TINY)))
+        for k in range(3):
+            own[k] = own[k] + out * n[k]
+            own[PARTICLE_VELOCITY + k] = own[PARTICLE_VELOCITY + k] + more * n[k] - stopped * slip[k]
+        touching = builder.fcmp_ordered(">", (more + out).value, zero.value)
+        any_of_them = builder.icmp_unsigned("!=", builder.bitcast(touching, ir.IntType(WIDTH)), ir.IntType(WIDTH)(0))
+        with builder.if_then(any_of_them):
+            for place, values_ in zip(places, transposed(builder, [field.value for field in own]), strict=True):
+                builder.store(values_, vector_pointer(builder, particles, place), align=8)
+        return context.get_dummy_value()
+
+    return types.none(contacts, numbers, particles, types.int64, *3 * [types.float64]), generate
+
+
+def _row_of(builder: Any, contacts: Any, row: Any, lane: int) -> Any:
+    """Return the index at which the particle of a contact begins in its table."""
+    at = builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT.width))
+    particle = builder.load(builder.gep(contacts, [plus(builder, at, TOUCHING_PARTICLE)]))
+    return builder.mul(particle, WORD(PARTICLE.width))
+
+
+def _rows(builder: Any, row: Any) -> list[Any]:
+    """Return the indices at which the numbers of eight contacts begin."""
+    return [builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT_NUMBERS.width)) for lane in range(WIDTH)]
+
+
+def _fields(builder: Any, table: Any, places: Sequence[Any]) -> list[Lanes]:
+    """Return the first eight columns of eight rows as lanes."""
+    rows = [builder.load(vector_pointer(builder, table, place), align=8) for place in places]
+    return [Lanes(builder, field) for field in transposed(builder, rows)]
+
+
+def _put_offsets(builder: Any, numbers: Any, row: Any, offsets: Lanes) -> None:
+    for lane, place in enumerate(_rows(builder, row)):
+        offset = builder.extract_element(offsets.value, ir.IntType(32)(lane))
+        builder.store(offset, builder.gep(numbers, [plus(builder, place, CLOTH_OFFSET)]))
+
+
+def _larger(a: Lanes, b: Lanes) -> Lanes:
+    return Lanes(a.builder, a.builder.select(a.builder.fcmp_ordered(">", a.value, b.value), a.value, b.value))
+
+
+def _smaller(a: Lanes, b: Lanes) -> Lanes:
+    return Lanes(a.builder, a.builder.select(a.builder.fcmp_ordered("<", a.value, b.value), a.value, b.value))

@@ -1,0 +1,74 @@
+"""Tables of cloths that a step fills anew: their sizes, and the trees and groups of triangles in them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kickdrift.world import tables as t
+from kickdrift.world.collision.broad_phase.bvh import ITEM, SKIP
+from kickdrift.world.deformables import layout as c
+from kickdrift.world.deformables.face_groups import face_groups
+from kickdrift.world.deformables.mesh import ClothMesh
+from kickdrift.world.deformables.self_collision.face_bvh import face_tree, stars
+
+Integers = NDArray[np.int64]
+
+_OF_PARTICLES = (
+    t.STARTED_PARTICLE, t.PARTICLE_SHIFT, t.INTERVAL_START, t.PARTICLE_PATH, t.PARTICLE_BOUNDS,
+    t.PARTICLE_WIND, t.ZONE, t.ZONE_NUMBERS,
+)  # fmt: skip
+_OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_STARS, t.FACE_TURN
+OF_A_STEP = (
+    *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR, t.CLOTH_PAIR,
+    t.CLOTH_PAIR_NUMBERS, t.CLOTH_SEARCH, t.PARTICLE_LANES, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
+)  # fmt: skip
+
+
+def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
+    """Resize the tables, and build the trees and groups of the triangles of all cloths, from their meshes at rest."""
+    for own, of in ((_OF_PARTICLES, t.PARTICLE), (_OF_FACES, t.FACE)):
+        for table in own:
+            tables.resize(table, 0)
+            tables.resize(table, tables.count(of))
+    for table in (t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN, t.PARTICLE_LANES):
+        tables.resize(table, 0)
+    tables.resize(t.PARTICLE_LANES, c.LANE_FIELDS * tables.count(t.PARTICLE))[:] = 0.0
+    tables.array(t.STARTED_PARTICLE)[:] = tables.array(t.PARTICLE)  # with which sleeping cloths are compared
+    for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR):
+        tables.resize(table, 0)
+    tables.resize(t.CLOTH_SEARCH, 1)[:] = 0.0
+    for cloth, mesh in zip(tables.array(t.CLOTH), meshes, strict=True):
+        tree, first = face_tree(mesh), tables.count(t.CLOTH_TREE)
+        last = first + len(tree.items)
+        cloth[[c.FIRST_NODE, c.LAST_NODE]] = first, last
+        faces = slice(cloth[c.FIRST_FACE], cloth[c.LAST_FACE])
+        tables.array(t.FACE_STARS)[faces, c.NEXT_AROUND : c.NEXT_AROUND + 3] = stars(mesh.triangles) + 3 * faces.start
+        for table in (t.CLOTH_TREE, t.NORMAL_TREE):
+            nodes = tables.resize(table, last)[first:]
+            nodes[:, SKIP], nodes[:, ITEM] = tree.skips, tree.items
+            nodes[tree.items >= 0, ITEM] += cloth[c.FIRST_FACE]
+        marks, count = tables.resize(t.CLOTH_TREE_NODE, last)[first:], tables.count(t.TREE_NEIGHBOUR)
+        marks[:, c.IS_CONNECTED] = tree.connected
+        ends = np.searchsorted(tree.neighbours[:, 0], np.arange(len(tree.items) + 1))
+        marks[:, c.NEAR_NODES], marks[:, c.NEAR_NODES + 1] = count + ends[:-1], count + ends[1:]
+        tables.resize(t.TREE_NEIGHBOUR, count + len(tree.neighbours))[count:] = tree.neighbours[:, 1:]
+        cloth[[c.FIRST_GROUP, c.LAST_GROUP]] = tables.count(t.FACE_GROUP)
+        if cloth[c.DIMENSION] == c.SHEET:
+            _group(tables, cloth)
+
+
+def _group(tables: t.Tables, cloth: Integers) -> None:
+    """Write the groups of the triangles of a sheet, after those of others."""
+    faces = slice(cloth[c.FIRST_FACE], cloth[c.LAST_FACE])
+    numbers = tables.array(t.FACE_NUMBERS)[faces, c.TO_REST : c.FACE_AREA + 1]
+    groups = face_groups(tables.array(t.FACE)[faces, c.CORNERS : c.CORNERS + 3], numbers)
+    first, rest = tables.count(t.FACE_GROUP), tables.count(t.GROUP_REST)
+    last = first + len(groups.corners)
+    cloth[c.LAST_GROUP] = last
+    rows = tables.resize(t.FACE_GROUP, last)[first:]
+    rows[:, c.GROUP_CORNERS : c.GROUP_CORNERS + 24] = groups.corners.reshape(-1, 24)
+    rows[:, c.RESTS], rows[:, c.IN_ROWS] = rest + groups.of, groups.in_rows
+    rows[:, c.ADDED_TO : c.ADDED_TO + 3] = np.where(groups.apart, c.FORCES_APART, c.FORCES)
+    tables.resize(t.GROUP_REST, rest + len(groups.rests))[rest:] = groups.rests.reshape(-1, 40)
+    tables.resize(t.GROUP_STRAIN, last)[first:] = 0.0
