@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
-from kickdrift.world.collision.speculative_motion import TURN_ERROR
+from kickdrift.world.collision.predicted_motion import TURN_ERROR
 from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.joints.layout import BRAKE
 from kickdrift.world.joints.limits_motors_options import Motor

@@ -10,7 +10,6 @@ and joints act on the actual motion.
 errors.
 """
 
-import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -57,7 +56,6 @@ from kickdrift.world.layout import (
     LINK_COUNT,
     ORIENTATION,
     POSITION,
-    REMOVED,
     ROTATION,
     SPIN,
     SUBSTEP_FORCE,
@@ -68,7 +66,6 @@ from kickdrift.world.layout import (
     WHOLE_KICK,
 )
 from kickdrift.world.settings import GRAVITY, LAST_SUBSTEP, MIDPOINT, PLANE_NORMAL, SUBSTEPS
-from kickdrift.world.step.status import report_body
 from kickdrift.world.tables import (
     BODY,
     DELTA_POSE,
@@ -87,21 +84,6 @@ from kickdrift.world.tables import (
     rows,
     set_rows,
 )
-
-
-@compiled
-def find_lost(t: float, h: float, world: int) -> None:
-    """Check that the poses and velocities of a batch are finite, before impulses are stored."""
-    pose, motion = floats(world, POSE), floats(world, MOTION)
-    kind, member = integers(world, BODY), integers(world, MEMBER)
-    for place in range(rows(world, MEMBER)):
-        body = member[place, 0]
-        total = abs(pose[body, 6])
-        for k in range(6):
-            total += abs(pose[body, k]) + abs(motion[body, k])
-        if not total < math.inf and kind[body, BODY_KIND] != REMOVED:
-            report_body(world, body)
-            return
 
 
 @compiled

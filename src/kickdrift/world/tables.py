@@ -89,8 +89,8 @@ STARTED_MOTION = Table(33, MOTION.width)
 STARTED_ROTATION = Table(27, 16)  # see `kickdrift.world.step.rollback`
 STARTED_JOINTS = Table(50, JOINT_NUMBERS.width)
 STARTED_IMPULSE = Table(29, 12)  # of contacts: see `kickdrift.world.contacts.batch_division`
-PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.speculative_motion`
-SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.speculative_motion`
+PREDICTED = Table(61, 20)  # paths in a step: see `kickdrift.world.collision.predicted_motion`
+SWEPT = Table(104, 6)  # around the paths of bodies in a step: see `kickdrift.world.collision.predicted_motion`
 SEARCH = Table(38, 16, whole=True)  # one row: see `kickdrift.world.collision.broad_phase.search_state`
 MOVERS = Table(39, 1, whole=True)  # shapes that may move
 FIXTURES = Table(44, 1, whole=True)  # shapes that may not

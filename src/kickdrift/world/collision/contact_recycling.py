@@ -5,13 +5,15 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
-from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
+from kickdrift.world.collision.body_acceleration import closing_acceleration
 from kickdrift.world.collision.broad_phase.search_state import TRIES
+from kickdrift.world.collision.fast_pairs import needs_time_of_impact
 from kickdrift.world.collision.narrow_phase.impulse_matching import reserve_lost_points
 from kickdrift.world.collision.narrow_phase.manifolds import find_manifold, smallest
+from kickdrift.world.collision.predicted_motion import has_change
 from kickdrift.world.collision.shape_poses import placed_pose
-from kickdrift.world.collision.shape_properties import half_width, is_round, sort_of
-from kickdrift.world.collision.speculative_motion import fastest_turn, has_change, way_on_path
+from kickdrift.world.collision.shape_properties import is_round, sort_of
+from kickdrift.world.collision.speculative_margin import approach
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -26,15 +28,14 @@ from kickdrift.world.contacts.layout import (
     SHAPE_A,
     SHAPE_B,
 )
-from kickdrift.world.layout import ANGULAR_VELOCITY, AWAKE, BODY_KIND, DYNAMIC, RADIUS, RESTITUTION, VELOCITY
+from kickdrift.world.layout import AWAKE, RADIUS
 from kickdrift.world.settings import HAS_FAST, MARGIN, RECYCLE_DISTANCE, STEP
-from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
+from kickdrift.world.shapes.record import SURFACE
 from kickdrift.world.step.status import NEEDS_TIME_OF_IMPACT, STATUS
 from kickdrift.world.tables import (
     BODY,
     CONTACT,
     MANIFOLD,
-    MOTION,
     PLACE,
     SEARCH,
     SETTINGS,
@@ -72,7 +73,7 @@ def find_points(t: float, h: float, world: int) -> None:
         at = turned_back(turn_a, minus(at_b, at_a))
         turn = product(conjugate(turn_a), turn_b)
         pushed = settings[0, STEP] ** 2 * closing_acceleration(world, row)
-        way = _way(world, row, pushed)
+        way = approach(world, row, pushed)
         changes = has_change(world, contact[row, BODY_A]) or has_change(world, contact[row, BODY_B])
         moved = _moved(manifold, row, at, turn, place[b, RADIUS])
         # A triangle without points may be as near as those with points: at its edges it leaves them to its neighbours.
@@ -82,69 +83,13 @@ def find_points(t: float, h: float, world: int) -> None:
         if moved + way < manifold[row, RECYCLED] and (apart or moved <= most):
             continue
         manifold[row, RECYCLED] = settings[0, MARGIN] + way
-        if changes or _is_far(world, row, way):
+        if changes or needs_time_of_impact(world, row, way):
             contact[row, CONTACT_STATE] |= FAST
             if settings[0, HAS_FAST] == 0.0:
                 integers(world, STEP_STATUS)[0, STATUS] = NEEDS_TIME_OF_IMPACT
         else:
             manifold[row, REACHABLE] = way + pushed + _INCOMPLETE * tolerance
             find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
-
-
-@compiled
-def _is_far(world: int, row: int, way: float) -> bool:
-    """Whether shapes may move by so much, m, that the contact points at the start of the step are not accurate enough.
-
-    If round shapes bounce off each other, the error of the normal is the distance that they slide, relative to their size.
-    """
-    contact, place, margin = integers(world, CONTACT), floats(world, PLACE), floats(world, SETTINGS)[0, MARGIN]
-    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-    reach = smallest(place[a, RADIUS], place[b, RADIUS])
-    if sort_of(world, a) == HALF_SPACE:
-        return False
-    if max(place[a, RESTITUTION], place[b, RESTITUTION]) > 0.0 and is_round(world, a) and is_round(world, b):
-        return way > 0.01 * reach
-    if way <= margin:
-        return False
-    # A slender body that moves by its thickness may turn another end to what it touches.
-    for side in range(2):
-        if integers(world, BODY)[contact[row, BODY_A + side], BODY_KIND] == DYNAMIC:
-            reach = min(reach, 2.0 * half_width(world, contact[row, SHAPE_A + side]))
-    return way > 0.5 * reach
-
-
-@compiled(inline=True)
-def _way(world: int, row: int, pushed: float) -> float:
-    """Bound the distance by which shapes approach in the step, m, including what forces push them beyond the margin."""
-    settings = floats(world, SETTINGS)
-    step = settings[0, STEP]
-    way: float = step * _closing_speed(world, row) + max(pushed - settings[0, MARGIN], 0.0)
-    for side in range(2):
-        body = integers(world, CONTACT)[row, BODY_A + side]
-        if has_change(world, body):
-            far = reach(floats(world, PLACE), integers(world, CONTACT)[row, SHAPE_A + side])
-            way += way_on_path(world, body) + step * fastest_turn(world, body) * far
-    return way
-
-
-@compiled(inline=True)
-def _closing_speed(world: int, row: int) -> float:
-    """Bound the speed at which the shapes of a contact can approach each other, m/s."""
-    contact, motion, place = integers(world, CONTACT), floats(world, MOTION), floats(world, PLACE)
-    a, b = contact[row, BODY_A], contact[row, BODY_B]
-    relative = 0.0
-    turn_a = 0.0
-    turn_b = 0.0
-    for k in range(3):
-        relative += (motion[b, VELOCITY + k] - motion[a, VELOCITY + k]) ** 2
-        turn_a += motion[a, ANGULAR_VELOCITY + k] ** 2
-        turn_b += motion[b, ANGULAR_VELOCITY + k] ** 2
-    speed = math.sqrt(relative)
-    if turn_a > 0.0:
-        speed += math.sqrt(turn_a) * reach(place, contact[row, SHAPE_A])
-    if turn_b > 0.0:
-        speed += math.sqrt(turn_b) * reach(place, contact[row, SHAPE_B])
-    return speed
 
 
 @compiled(inline=True)

@@ -6,19 +6,18 @@ from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, accele
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impacts.impact_motion import constraint, vector_of
-from kickdrift.world.layout import RESTITUTION
+from kickdrift.world.material_mixing import mixed_restitution
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, SLOP
-from kickdrift.world.tables import CONTACT, PLACE, SETTINGS, floats, integers
+from kickdrift.world.tables import CONTACT, SETTINGS, floats, integers
 
 _UNSEEN = 1e-9  # of the slop: shorter ways in a substep are no approach; without weight, they would halve for ever
 
 
 @compiled(inline=True)
 def restitution_of(world: int, row: int) -> float:
-    """Return the coefficient of restitution of a contact: the larger one of both shapes."""
-    contact, place = integers(world, CONTACT), floats(world, PLACE)
-    e: float = max(place[contact[row, c.SHAPE_A], RESTITUTION], place[contact[row, c.SHAPE_B], RESTITUTION])
-    return e
+    """Return the coefficient of restitution of a contact."""
+    contact = integers(world, CONTACT)
+    return mixed_restitution(world, contact[row, c.SHAPE_A], contact[row, c.SHAPE_B])
 
 
 @compiled

@@ -35,9 +35,9 @@ from kickdrift.world.layout import (
     ORIENTATION,
     POSITION,
     RADIUS,
-    ROLLING,
     SURFACE_VELOCITY,
 )
+from kickdrift.world.material_mixing import mixed_friction, mixed_rolling_resistance
 from kickdrift.world.settings import PLANE_NORMAL, STEP, SUBSTEPS
 from kickdrift.world.tables import (
     CONTACT,
@@ -187,8 +187,8 @@ def _gather_surfaces(world: int, row: int, soft: Vector, softer: Vector, raw: An
     """Gather what the surfaces of both shapes are like: friction, rolling resistance, velocity and softness."""
     contact, place = integers(world, CONTACT), floats(world, PLACE)
     a, b = contact[row, c.SHAPE_A], contact[row, c.SHAPE_B]
-    raw[r.FRICTION * c.WIDTH] = math.sqrt(place[a, FRICTION] * place[b, FRICTION])
-    raw[r.RESISTANCE * c.WIDTH] = max(place[a, ROLLING], place[b, ROLLING])
+    raw[r.FRICTION * c.WIDTH] = mixed_friction(place[a, FRICTION], place[b, FRICTION])
+    raw[r.RESISTANCE * c.WIDTH] = mixed_rolling_resistance(world, a, b)
     fixed = raw[r.MASS_A * c.WIDTH] == 0.0 or raw[r.MASS_B * c.WIDTH] == 0.0
     slide_a, slide_b = _surface_velocity(world, a), _surface_velocity(world, b)
     for k in range(3):

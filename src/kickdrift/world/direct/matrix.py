@@ -1,4 +1,7 @@
-"""Assembly of the matrix of an island: inertias of bodies, and rows times their stiffness."""
+"""Assembly of the matrix of an island: inertias of bodies, and rows times their stiffness.
+
+Stiffnesses, or the inverse of the compliance, are set where the rows are: in `contact_rows`, `loop_closures` and the joints.
+"""
 
 from typing import Any
 

@@ -14,9 +14,9 @@ from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.body_mass_change import follow_mass
 from kickdrift.world.joints.breaking import overloaded
 from kickdrift.world.joints.handle import Joint
-from kickdrift.world.joints.joint_rows import write_joint
+from kickdrift.world.joints.joint_tables import write_joint
 from kickdrift.world.joints.limits_motors_options import Axis
-from kickdrift.world.joints.limits_motors_rows import LawPart, check_changeable, read_law, write_law
+from kickdrift.world.joints.limits_motors_tables import LawPart, check_changeable, read_law, write_law
 from kickdrift.world.joints.planar_joints import within_plane
 from kickdrift.world.joints.record import Record
 from kickdrift.world.joints.spanning_tree import arrange

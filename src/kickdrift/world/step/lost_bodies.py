@@ -1,15 +1,28 @@
-"""Bodies and cloths that are lost to infinity: which body it was, and the errors that report it."""
+"""Bodies and cloths that are lost to infinity: the stage that notices it, which body it was, and the errors that report it."""
+
+import math
 
 import numpy as np
 
+from kickdrift.core.compilation import compiled
 from kickdrift.core.errors import LostBodyError
 from kickdrift.world.deformables.layout import FIRST_PARTICLE, LAST_PARTICLE, PARTICLE_VELOCITY
-from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_KIND, BOUNDING_RADIUS, INVERSE_INERTIA, KINEMATIC, MASS
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    BODY_KIND,
+    BOUNDING_RADIUS,
+    INVERSE_INERTIA,
+    KINEMATIC,
+    MASS,
+    REMOVED,
+)
+from kickdrift.world.step.status import report_body
 from kickdrift.world.tables import (
     BODY,
     CLOTH,
     INERTIA,
     LOAD,
+    MEMBER,
     MOTION,
     PARTICLE,
     POSE,
@@ -18,9 +31,27 @@ from kickdrift.world.tables import (
     STARTED_PARTICLE,
     STARTED_POSE,
     Tables,
+    floats,
+    integers,
+    rows,
 )
 
 _FAR = 1e100  # m or m/s: counts as infinite
+
+
+@compiled
+def find_lost(t: float, h: float, world: int) -> None:
+    """Check that the poses and velocities of a batch are finite, before impulses are stored."""
+    pose, motion = floats(world, POSE), floats(world, MOTION)
+    kind, member = integers(world, BODY), integers(world, MEMBER)
+    for place in range(rows(world, MEMBER)):
+        body = member[place, 0]
+        total = abs(pose[body, 6])
+        for k in range(6):
+            total += abs(pose[body, k]) + abs(motion[body, k])
+        if not total < math.inf and kind[body, BODY_KIND] != REMOVED:
+            report_body(world, body)
+            return
 
 
 def find_lost_body(tables: Tables, step: float, found: int) -> int:

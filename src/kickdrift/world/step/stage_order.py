@@ -14,7 +14,7 @@ from kickdrift.world.collision.continuous.rotation_limit import divide_fast_rota
 from kickdrift.world.collision.continuous.time_of_impact import find_impacts
 from kickdrift.world.collision.narrow_phase.impulse_matching import pass_on_impulses
 from kickdrift.world.collision.narrow_phase.manifolds import place_shapes
-from kickdrift.world.collision.speculative_motion import begin_paths, follow_paths
+from kickdrift.world.collision.predicted_motion import begin_paths, follow_paths
 from kickdrift.world.contact_events import note_touching
 from kickdrift.world.contacts.arm_refresh import refresh_hit
 from kickdrift.world.contacts.batch_division import find_batches
@@ -38,12 +38,13 @@ from kickdrift.world.direct.islands import find_islands
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.direct.velocity_projection import relax_islands
 from kickdrift.world.force_functions import begin_forces, begin_later_forces
-from kickdrift.world.integration import complete_free_kicks, drift, find_lost, finish, flatten, kick
+from kickdrift.world.integration import complete_free_kicks, drift, finish, flatten, kick
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.joint_warm_start import warm_start_joints
 from kickdrift.world.joints.kinematics import follow_joints, measure_joints
 from kickdrift.world.joints.prepare import begin_joints, wake_joints
 from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
+from kickdrift.world.step.lost_bodies import find_lost
 from kickdrift.world.step.rollback import begin
 from kickdrift.world.step.stage_loop import STAGE
 

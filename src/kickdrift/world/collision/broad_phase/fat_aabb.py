@@ -14,8 +14,8 @@ from kickdrift.core.vectors import Vector, cross, dot, length, plus, product, ti
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration, reach
 from kickdrift.world.collision.broad_phase.aabb import box_around
 from kickdrift.world.collision.broad_phase.bvh import Box
+from kickdrift.world.collision.predicted_motion import CHANGE_TIME, WIDE_BOUNDS, has_change, path
 from kickdrift.world.collision.shape_properties import extent_of, sort_of
-from kickdrift.world.collision.speculative_motion import CHANGE_TIME, WIDE_BOUNDS, has_change, path
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,

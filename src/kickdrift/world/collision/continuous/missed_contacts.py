@@ -15,8 +15,7 @@ from kickdrift.world.collision.broad_phase.filters import may_touch
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.collision.continuous.stale_points import deviation, points_are_stale
 from kickdrift.world.collision.continuous.swept_overlap import may_meet, swept_box, thinner
-from kickdrift.world.collision.shape_properties import half_width, sort_of
-from kickdrift.world.collision.speculative_motion import (
+from kickdrift.world.collision.predicted_motion import (
     POSITION_ERROR,
     TURN,
     TURN_ERROR,
@@ -25,6 +24,7 @@ from kickdrift.world.collision.speculative_motion import (
     path_error,
     turn_error,
 )
+from kickdrift.world.collision.shape_properties import half_width, sort_of
 from kickdrift.world.contacts.layout import (
     BODY_A,
     BODY_B,

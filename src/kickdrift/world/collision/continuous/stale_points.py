@@ -6,9 +6,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, length, minus, plus, times, turned
 from kickdrift.world.collision.body_acceleration import reach
 from kickdrift.world.collision.narrow_phase.manifolds import smallest
+from kickdrift.world.collision.predicted_motion import POSITION_ERROR, TURN, TURN_ERROR, end_error
 from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.collision.shape_properties import extent_of, sort_of
-from kickdrift.world.collision.speculative_motion import POSITION_ERROR, TURN, TURN_ERROR, end_error
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import BODY_A, BODY_B, NORMAL, ON_A, ON_B, POINT, SHAPE_A, SHAPE_B
 from kickdrift.world.layout import BODY_ROW, PLACE_POSITION, PLACED_ORIENTATION, RADIUS

@@ -5,9 +5,9 @@ from kickdrift.core.vectors import Vector, minus
 from kickdrift.world.collision.broad_phase.aabb import box_around, box_in_frame, boxes_overlap, reaches_under
 from kickdrift.world.collision.broad_phase.bvh import Box
 from kickdrift.world.collision.narrow_phase.manifolds import smallest
+from kickdrift.world.collision.predicted_motion import LEAST, MOST, POSITION_ERROR
 from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.collision.shape_properties import extent_of, half_width, sort_of
-from kickdrift.world.collision.speculative_motion import LEAST, MOST, POSITION_ERROR
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     BEGIN,

@@ -27,9 +27,9 @@ from kickdrift.world.collision.body_acceleration import closing_acceleration, re
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.collision.narrow_phase.manifolds import find_manifold, radius, smallest
 from kickdrift.world.collision.narrow_phase.triangle_round import beside_triangle
+from kickdrift.world.collision.predicted_motion import fastest_turn, next_change, path, velocity_then
 from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
 from kickdrift.world.collision.shape_properties import sort_of
-from kickdrift.world.collision.speculative_motion import fastest_turn, next_change, path, velocity_then
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,

@@ -26,7 +26,7 @@ from kickdrift.core.vectors import (
     turned_symmetric,
     unit,
 )
-from kickdrift.world.collision.speculative_motion import note_position
+from kickdrift.world.collision.predicted_motion import note_position
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.free_rotation import mean_turn

@@ -6,7 +6,7 @@ a heavy body without restitution would press a light one through the floor on wh
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.narrow_phase.manifolds import smallest
-from kickdrift.world.collision.speculative_motion import STRUCK
+from kickdrift.world.collision.predicted_motion import STRUCK
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
 from kickdrift.world.contacts.impacts.impact_motion import constraint, is_moved

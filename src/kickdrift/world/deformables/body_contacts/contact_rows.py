@@ -1,6 +1,5 @@
 """Rows of contacts between particles, segments or triangles of cloths and shapes of bodies."""
 
-import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -57,6 +56,7 @@ from kickdrift.world.layout import (
     SURFACE_VELOCITY,
     VELOCITY,
 )
+from kickdrift.world.material_mixing import mixed_friction
 from kickdrift.world.settings import SLEEP_SPEED
 from kickdrift.world.shapes.kind_numbers import CAPSULE
 from kickdrift.world.shapes.record import CENTRE, NO_CORE
@@ -149,7 +149,7 @@ def note_contact(world: int, cloth: int, shape: int, corners: Corners, shares: V
     contact[row, MOVES_BODY] = int(moves)
     arm = minus(point, _start_of_body(world, body, h))
     runs = turned(quaternion_at(pose, body, ORIENTATION), vector_at(place, shape, SURFACE_VELOCITY))
-    friction = math.sqrt(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION] * place[shape, FRICTION])
+    friction = mixed_friction(floats(world, CLOTH_NUMBERS)[cloth, CLOTH_FRICTION], place[shape, FRICTION])
     if not moves:
         runs = plus(runs, velocity_at(world, shape, point, h))
     numbers[row, CONTACT_FRICTION] = friction

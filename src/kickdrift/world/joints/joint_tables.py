@@ -7,7 +7,7 @@ from kickdrift.core.rotations import of_matrix, product, turned
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.forward_kinematics import signs
 from kickdrift.world.joints.joint_kinds import KINDS
-from kickdrift.world.joints.limits_motors_rows import LAW_PARTS, clear_laws, write_law
+from kickdrift.world.joints.limits_motors_tables import LAW_PARTS, clear_laws, write_law
 from kickdrift.world.joints.record import Geared, Placement, Record
 from kickdrift.world.layout import ORIENTATION, POSITION
 from kickdrift.world.tables import JOINT, JOINT_NUMBERS, POSE, Tables
