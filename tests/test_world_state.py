@@ -99,6 +99,46 @@ def test_a_world_goes_on_with_the_same_bits_after_restore(make):
         assert state(world) == after
 
 
+def pushed(t, force):
+    """A force whose values depend on the last bit of the time."""
+    for k in range(len(force)):
+        force[k, 0] = math.sin(1e15 * t)
+
+
+@pytest.mark.parametrize("go_on", ["", "restored", "from a file"])
+def test_the_times_of_equal_steps_do_not_depend_on_how_they_are_called(go_on, tmp_path):
+    def world():
+        one = kd.World()
+        one.add_sphere(radius=0.1, mass=1.0)
+        one.add_force(pushed)
+        return one
+
+    together, alone = world(), world()
+    together.advance(STEP, 50)
+    for k in range(50):
+        if k == 20 and go_on == "restored":
+            snapshot, alone = alone.snapshot(), world()
+            alone.restore(snapshot)
+        elif k == 20 and go_on:
+            alone.save(tmp_path / "world.kd")
+            alone = kd.load_world(tmp_path / "world.kd", [pushed])
+        alone.step(STEP)
+    assert alone.time == together.time == 50 * STEP
+    assert alone.n_steps == together.n_steps
+    assert np.array_equal(alone.velocity, together.velocity)
+
+
+def test_the_count_of_equal_steps_begins_anew_with_another_step_or_time():
+    world = kd.World()
+    world.add_sphere(radius=0.1, mass=1.0)
+    world.advance(0.1, 3)
+    world.step(0.3)
+    assert world.time == 0.1 * 3 + 0.3
+    world.time = 7.0
+    world.advance(0.3, 2)
+    assert world.time == 7.0 + 2 * 0.3
+
+
 def test_a_snapshot_does_not_change_with_its_world():
     world = balls()
     then = world.snapshot()
@@ -357,6 +397,7 @@ DAMAGE = {
     "no format": lambda path: _rewritten(path, _drop(0, "format")),
     "no digest": lambda path: _tampered(path, _drop(0, "digest")),
     "time changed": lambda path: _tampered(path, _put(0, "time", 3.0)),
+    "no count of steps": lambda path: _rewritten(path, _put(0, "counted", [0.0, math.nan, 1])),
     "pose changed": lambda path: _tampered(path, lambda h, a: a["table POSE"].__setitem__((1, 0), 3.0)),
     "row dropped": lambda path: _tampered(path, lambda h, a: a.update({"table BODY": a["table BODY"][1:]})),
     "table dropped": lambda path: _rewritten(path, _drop(1, "table CONTACT")),

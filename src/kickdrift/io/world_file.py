@@ -73,6 +73,7 @@ def contents(world: World) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         "format": archive.WORLD,
         "time": snapshot.time,
         "n_steps": snapshot.n_steps,
+        "counted": snapshot.counted,
         "sleeping": snapshot.sleeping,
         "threads": world.threads,
         "n_forces": len(snapshot.forces),
@@ -180,6 +181,7 @@ def snapshot_of(head: dict[str, Any], arrays: dict[str, Any]) -> Snapshot:
     return Snapshot(
         time=_finite(head["time"]),
         n_steps=_whole(head["n_steps"], 0),
+        counted=_counted(*head["counted"]),
         sleeping=bool(head["sleeping"]),
         forces=(),
         tables=kept(of),
@@ -246,6 +248,10 @@ def _whole(value: Any, least: int) -> int:
     if type(value) is not int or not least <= value < 1 << 62:
         raise ValueError(f"{value!r} is not a whole number of at least {least}")
     return value
+
+
+def _counted(t0: Any, step: Any, number: Any) -> tuple[float, float, int]:
+    return _finite(t0), _finite(step), _whole(number, 0)
 
 
 def _finite(value: Any) -> float:

@@ -60,6 +60,9 @@ class Snapshot:
 
     time: float
     n_steps: int
+    counted: tuple[
+        float, float, int
+    ]  # time from which equal steps are counted, their length, the number of the next one
     sleeping: bool
     forces: tuple[Force, ...]  # with the stages compiled from them
     tables: Mapping[str, NDArray[Any]]  # rows in use of each table that no step fills anew, by its name; read-only
@@ -129,6 +132,7 @@ def take(world: "World") -> Snapshot:
     return Snapshot(
         time=world.time,
         n_steps=world.n_steps,
+        counted=world.counted,
         sleeping=world.sleeping,
         forces=tuple(world.forces),
         tables=kept(world.tables),
@@ -157,7 +161,7 @@ def restore(world: "World", snapshot: Snapshot) -> None:
         )
     world.sleeping = snapshot.sleeping  # which wakes all bodies; the tables below tell which sleep
     put_back(world.tables, snapshot.tables)
-    world.time, world.n_steps = snapshot.time, snapshot.n_steps
+    world.time, world.n_steps, world.counted = snapshot.time, snapshot.n_steps, snapshot.counted
     world.planar = bool(world.tables.array(SETTINGS)[0, settings.PLANE_NORMAL : settings.PLANE_NORMAL + 3].any())
     world.forces, world.broken = list(snapshot.forces), []
     bodies, joints, shapes = world.bodies, world.joints, world.shape_rows

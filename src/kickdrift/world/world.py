@@ -172,7 +172,7 @@ class World(
     ) -> None:
         self.tables = Tables()
         self.time = 0.0
-        self.n_steps = 0
+        self.n_steps, self.counted = 0, (0.0, 0.0, 0)
         row = self.tables.resize(SETTINGS, 1)[0]
         self.shape_rows = ShapeRows(self.tables)
         self.joints = Joints(self.tables)
@@ -254,7 +254,7 @@ class World(
         self.advance(step, 1)
 
     def advance(self, step: float, count: int) -> None:
-        """Do a number of steps in compiled code, as by repeated calls of `step`, with the same errors and warnings.
+        """Do a number of steps in compiled code: with the same bits, errors and warnings as repeated calls of `step`.
 
         Parameters
         ----------
@@ -280,7 +280,10 @@ class World(
         step = number("step", step, "s; 1/60 is usual", zero=False)
         if not is_whole(count, 0):
             raise ArgumentError(f"count={count!r} must be a whole number of steps, zero or more.")
-        self.advance_from(self.time, 0, step, int(count))
+        t0, length, following = self.counted
+        if length != step or t0 + following * length != self.time:
+            t0, following = self.time, 0
+        self.advance_from(t0, following, step, int(count))
 
     def advance_from(self, t0: float, first: int, step: float, count: int) -> None:
         """Do `count` steps, the first with number `first` from t0, so that times do not depend on how a run is divided."""

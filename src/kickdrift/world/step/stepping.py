@@ -70,7 +70,9 @@ class DoesSteps:
     _composition: tuple[object, ...] | None
     compile_time: float  # s, of all steps so far
     _softened: set[str]  # cloths that a warning has named
-    _counted: tuple[float, int]  # the time from which steps are counted, s, and the number of the next one
+    # Time from which equal steps are counted, s, their length, s, and the number of the next one: the times of steps do not
+    # depend on how many are done by one call.
+    counted: tuple[float, float, int]
 
     def do_steps(self, t0: float, first: int, step: float, count: int) -> int:
         """Do `count` steps, the first of them number `first` from t0; return the set of warnings to be issued."""
@@ -78,7 +80,7 @@ class DoesSteps:
             self.tables.resize(EVENTS, 0)
         program, recorder = self._ready(step), self.recorder
         status = self.tables.row(STEP_STATUS, 0)
-        status[step_status.REACHED], status[step_status.MIDWAY], self._counted = first, 0, (t0, first)
+        status[step_status.REACHED], status[step_status.MIDWAY], self.counted = first, 0, (t0, step, first)
         done, at, found, chunk, halved = 0, 0, 0, 1, step_status.OK
         try:
             while done < count:
@@ -111,8 +113,9 @@ class DoesSteps:
                     if done < count:
                         chunk = next_chunk(done - before, time.perf_counter() - began)
         except BaseException:  # Ctrl-C may come between any two lines; compiled code has stored its progress
-            self._go_back(step)
+            self._go_back()
             raise
+        self.counted = t0, step, first + count
         self.time = t0 + (first + count) * step
         self.n_steps += count
         return found
@@ -122,7 +125,7 @@ class DoesSteps:
         try:
             return run(*program, t0, step, first, last, at, self.tables.address)
         except Exception as error:
-            self._go_back(step, LOAD)
+            self._go_back(LOAD)
             raise KickdriftError(
                 f"a force or wind raised {type(error).__name__}: {error} in step {self.n_steps}; "
                 "all bodies are where they were before it."
@@ -245,15 +248,15 @@ class DoesSteps:
             return 0
         elif kind == step_status.LOST_CLOTH:
             vertex = find_lost_vertex(self.tables, body)
-            self._go_back(step, LOAD)
+            self._go_back(LOAD)
             raise lost_cloth_error(self.cloths.words(body), vertex, self.n_steps)
         else:
             body = find_lost_body(self.tables, step, body)
-            self._go_back(step, LOAD)
+            self._go_back(LOAD)
             raise lost_body_error(self.tables, body, self.bodies.words(body), self.n_steps)
         return stage
 
-    def _go_back(self, step: float, *without: Table) -> None:
+    def _go_back(self, *without: Table) -> None:
         """Roll back a step in progress, set the time to the end of the last complete one, and zero the given tables."""
         status = self.tables.row(STEP_STATUS, 0)
         if status[step_status.MIDWAY]:
@@ -262,8 +265,8 @@ class DoesSteps:
             self.tables.array(PREDICTED)[:], self.tables.array(SEARCH)[:, TRIES] = 0.0, 0
         for table in without:
             self.tables.array(table)[:] = 0.0
-        t0, first = self._counted
+        t0, step, first = self.counted
         reached, status[step_status.MIDWAY] = int(status[step_status.REACHED]), 0
-        self._counted = t0, reached
+        self.counted = t0, step, reached
         self.time = t0 + reached * step
         self.n_steps += reached - first
