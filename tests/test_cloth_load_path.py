@@ -225,3 +225,17 @@ def test_loads_of_removed_cloths_are_gone():
     table.position, table.velocity, table.angular_velocity = (5, 0, 2), (0, 0, 0), (0, 0, 0)
     world.step(STEP)
     assert table.velocity == pytest.approx((0, 0, -9.81 * STEP), abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [2, 5, 12])
+def test_a_cloth_of_29_kg_that_falls_on_a_box_of_10_g_gains_no_energy(seed):
+    random = np.random.default_rng(seed)
+    world = kd.World()
+    world.add_plane(friction=0.5)
+    size = random.uniform(0.1, 0.25, 3)
+    world.add_box(tuple(size), position=(*random.uniform(-0.35, 0.35, 2), size[2] / 2), mass=0.01, friction=0.5)
+    world.add_cloth_grid((1.2, 1.2), (23, 23), position=(0, 0, 0.4), density=20.0, thickness=0.01)
+    start = sum(world.energy())
+    for _ in range(60):
+        world.step(1 / 60)
+        assert sum(world.energy()) < 1.01 * start
