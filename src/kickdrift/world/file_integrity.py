@@ -41,7 +41,7 @@ from kickdrift.world.step.status import EXPECTED_HALVINGS, MOST_HALVINGS, OK, ST
 from kickdrift.world.table_checks import FileTables
 
 _OF_BODIES = ("MOTION", "INVERSE_MASS", "INERTIA", "LOAD", "RESTED", "KICKED", "PREDICTED", "BODY")
-_STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING | c.JUST_LANDED
+_STATES = c.TOUCHING | c.SENSOR | c.BOUNCED | c.FAST | c.MOVING | c.JUST_LANDED | c.JUST_FOUND
 _SETTINGS = s.RESIDUAL  # columns before this one are settings
 
 

@@ -8,6 +8,7 @@ from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, pr
 from kickdrift.world.collision.body_acceleration import closing_acceleration
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.collision.fast_pairs import needs_time_of_impact
+from kickdrift.world.collision.ghost_collisions import drop_ghosts
 from kickdrift.world.collision.narrow_phase.impulse_matching import reserve_lost_points
 from kickdrift.world.collision.narrow_phase.manifolds import find_manifold, smallest
 from kickdrift.world.collision.predicted_motion import has_change
@@ -21,6 +22,7 @@ from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FAST,
     FOUND_POSE,
+    JUST_FOUND,
     LEFT_OUT,
     POINTS,
     REACHABLE,
@@ -90,6 +92,8 @@ def find_points(t: float, h: float, world: int) -> None:
         else:
             manifold[row, REACHABLE] = way + pushed + _INCOMPLETE * tolerance
             find_manifold(world, row, at, turn, settings[0, MARGIN] + way)
+            contact[row, CONTACT_STATE] |= JUST_FOUND
+    drop_ghosts(world, JUST_FOUND)
 
 
 @compiled(inline=True)

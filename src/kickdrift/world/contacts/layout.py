@@ -27,6 +27,7 @@ TOUCHING = 1
 SENSOR = 2
 BOUNCED = 4  # bounced in this step
 FAST = 8  # its shapes may pass each other within the step
+JUST_FOUND = 64  # its points were found at the start of the present step
 MOVING = 16  # its arms were recomputed within the last step, or it is new
 JUST_LANDED = 32  # one of its points landed in the last substep
 

@@ -83,7 +83,8 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
             f"the joints of {body} and of the bodies joined to it move too far in a substep for impulses that satisfy them at"
             " its end"
         )
-    advice = f"Set world.substeps = {math.ceil(row[SUBSTEPS] * times)}, or use a step of {row[STEP] / times:.2g} s."
+    substeps, step = math.ceil(row[SUBSTEPS] * times), _rounded_down(row[STEP] / times)
+    advice = f"Set world.substeps = {substeps}, or use a step of {step:.2g} s."
     if tables.array(BODY)[int(row[FAST_BODY]), LINK_PLACE] < 0:
         why = f"the joints of {body} and of the bodies joined to it close too many loops to be solved together"
         advice = "More substeps help little: use fewer joints or bodies, or a cloth."
@@ -93,6 +94,12 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     if end - row[FAST_SINCE] > 1.5 * row[STEP]:
         when = f"from t={row[FAST_SINCE]:.4g} s to {end:.4g} s"
     return f"{why}: they {change} of the energy of their bodies {when}. {advice}"
+
+
+def _rounded_down(step: float) -> float:
+    """Return a step, s, rounded down to two digits."""
+    digit = 10.0 ** (math.floor(math.log10(step)) - 1)
+    return math.floor(step / digit) * digit
 
 
 _SENTENCES = {LEFT_UNSOLVED: _unsolved, TURNS_TOO_FAST: _too_fast, MISSES_CONTACT: _missed, LEFT_BOUNCING: _bouncing}

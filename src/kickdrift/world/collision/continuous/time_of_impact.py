@@ -25,7 +25,8 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
 from kickdrift.world.collision.broad_phase.search_state import TRIES
-from kickdrift.world.collision.narrow_phase.manifolds import find_manifold, radius, smallest
+from kickdrift.world.collision.ghost_collisions import drop_ghosts
+from kickdrift.world.collision.narrow_phase.manifolds import deepest, find_manifold, radius, smallest
 from kickdrift.world.collision.narrow_phase.triangle_round import beside_triangle
 from kickdrift.world.collision.predicted_motion import fastest_turn, next_change, path, velocity_then
 from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
@@ -81,6 +82,7 @@ def find_impacts(t: float, h: float, world: int) -> None:
     for row in range(rows(world, CONTACT)):
         if contact[row, CONTACT_STATE] & FAST and not (tried and contact[row, POINTS] != 0):
             _advance(world, row, manifold[row, RECYCLED] - settings[0, MARGIN])
+    drop_ghosts(world, FAST)
 
 
 @compiled
@@ -115,7 +117,7 @@ def _advance(world: int, row: int, way: float) -> None:
             # Beside its face a triangle leaves contacts to its neighbours.
             when = min(when + _PART * ball / max(spin + length(approach) + step * pushed, 1e-150), until)
             continue
-        gap, normal = _deepest(world, row, at, turn)
+        gap, normal = deepest(floats(world, MANIFOLD), row, contact[row, POINTS], at, turn)
         closing = spin - dot(turned(turn_a, normal), approach)
         left = _until(gap, closing, pushed)
         if gap <= near or when >= step or (closing <= 0.0 and left >= until - when and until == step):
@@ -194,19 +196,6 @@ def _relative(world: int, row: int, when: float) -> tuple[Vector, Quaternion, Qu
 
 
 @compiled
-def _deepest(world: int, row: int, at: Vector, turn: Quaternion) -> tuple[float, Vector]:
-    """Smallest gap of the points of a contact, and the normal, in the frame of the first shape."""
-    manifold = floats(world, MANIFOLD)
-    normal = vector_at(manifold, row, NORMAL)
-    gap = 1e300
-    for k in range(integers(world, CONTACT)[row, POINTS]):
-        p = POINT + POINT_SIZE * k
-        on_b = plus(at, turned(turn, vector_at(manifold, row, p + ON_B)))
-        gap = min(gap, dot(normal, minus(on_b, vector_at(manifold, row, p + ON_A))))
-    return gap, normal
-
-
-@compiled
 def _bring_back(world: int, row: int, when: float) -> None:
     """Transform the normal found for a time in the step, and the points of round shapes, to the start of the step."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
@@ -235,7 +224,7 @@ def _gap_at_start(world: int, row: int) -> float:
     """Smallest gap of the points of a contact at the start of the step."""
     manifold = floats(world, MANIFOLD)
     at, turn = vector_at(manifold, row, FOUND_POSE), quaternion_at(manifold, row, FOUND_POSE + 3)
-    gap, _ = _deepest(world, row, at, turn)
+    gap, _ = deepest(manifold, row, integers(world, CONTACT)[row, POINTS], at, turn)
     return gap
 
 

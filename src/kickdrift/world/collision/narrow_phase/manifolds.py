@@ -8,7 +8,7 @@ from numba import carray, types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, turned
 from kickdrift.world.collision.narrow_phase.impulse_matching import (
     OLD_SIZE,
     keep_points,
@@ -17,7 +17,7 @@ from kickdrift.world.collision.narrow_phase.impulse_matching import (
 )
 from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.collision.shape_properties import core_of, sort_of
-from kickdrift.world.columns import point_at
+from kickdrift.world.columns import point_at, vector_at
 from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FOUND_POSE,
@@ -25,6 +25,7 @@ from kickdrift.world.contacts.layout import (
     MOVING,
     NORMAL,
     ON_A,
+    ON_B,
     POINT,
     POINT_SIZE,
     POINTS,
@@ -78,33 +79,21 @@ def place_shapes(t: float, h: float, world: int) -> None:
 @compiled
 def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: float) -> None:
     """Find the manifold of a contact, for a pose of the second shape in the first's frame, and keep impulses."""
-    contact, manifold, numbers = integers(world, CONTACT), flat(world, MANIFOLD), flat(world, GEOMETRY)
-    shape = integers(world, SHAPE)
+    contact, manifold = integers(world, CONTACT), flat(world, MANIFOLD)
     a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
-    begin_a, size_a, kind_a = shape[a, BEGIN], shape[a, SIZE], shape[a, SHAPE_KIND]
-    if sort_of(world, a) == SURFACE:
-        begin_a, size_a, kind_a = begin_of(begin_a, contact[row, TRIANGLE_INDEX]), TRIANGLE_SIZE, TRIANGLE
-    begin_b, size_b = shape[b, BEGIN], shape[b, SIZE]
     own = manifold[MANIFOLD.width * row : MANIFOLD.width * (row + 1)]
-    found = own[FOUND_POSE : FOUND_POSE + 7]
     moved = minus(at, point_at(own, FOUND_POSE))
-    found[0], found[1], found[2] = at
-    found[3], found[4], found[5], found[6] = turn
     before = contact[row, POINTS]
     old = carray(floats_on_stack(OLD_SIZE), (OLD_SIZE,))
     keep_points(own, before, old)
-    own[LEFT_OUT] = math.inf
-    count = collide(
-        integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
-        (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
-    )
+    count = write_points(world, row, at, turn, margin, own)
     contact[row, POINTS] = count
     if before == 0:
         contact[row, CONTACT_STATE] |= MOVING
     place = floats(world, PLACE)
-    near = _NEAR * smallest(place[a, RADIUS], place[b, RADIUS])
-    take_over_impulses(own, old, before, count, near if kind_a != TRIANGLE else 0.0)
-    if kind_a == TRIANGLE:  # the nearest one may be on another triangle
+    near, on_surface = _NEAR * smallest(place[a, RADIUS], place[b, RADIUS]), sort_of(world, a) == SURFACE
+    take_over_impulses(own, old, before, count, 0.0 if on_surface else near)
+    if on_surface:  # the nearest one may be on another triangle
         lose_points(world, row, old, before, moved, near)
     own[WIDTH_OF_FACE] = _width(own, count)
 
@@ -129,6 +118,37 @@ def _width(own: Any, count: int) -> float:
     xx, yy, xy = xx / count - (x / count) ** 2, yy / count - (y / count) ** 2, xy / count - x * y / count**2
     least = 0.5 * (xx + yy) - math.sqrt(0.25 * (xx - yy) ** 2 + xy * xy)
     return math.sqrt(max(least, 0.0))
+
+
+@compiled
+def write_points(world: int, row: int, at: Vector, turn: Quaternion, margin: float, own: Any) -> int:
+    """Write pose, normal and points of a contact, for a pose of the second shape in the first's frame; return their number."""
+    contact, shape, numbers = integers(world, CONTACT), integers(world, SHAPE), flat(world, GEOMETRY)
+    a, b = contact[row, SHAPE_A], contact[row, SHAPE_B]
+    begin_a, size_a, kind_a = shape[a, BEGIN], shape[a, SIZE], shape[a, SHAPE_KIND]
+    if sort_of(world, a) == SURFACE:
+        begin_a, size_a, kind_a = begin_of(begin_a, contact[row, TRIANGLE_INDEX]), TRIANGLE_SIZE, TRIANGLE
+    begin_b, size_b = shape[b, BEGIN], shape[b, SIZE]
+    found = own[FOUND_POSE : FOUND_POSE + 7]
+    found[0], found[1], found[2] = at
+    found[3], found[4], found[5], found[6] = turn
+    own[LEFT_OUT] = math.inf
+    count: int = collide(
+        integers(world, COLLIDERS)[kind_a, shape[b, SHAPE_KIND]],
+        (numbers[begin_a : begin_a + size_a], numbers[begin_b : begin_b + size_b], found, margin, own),
+    )
+    return count
+
+
+@compiled
+def deepest(manifold: Any, row: int, count: int, at: Vector, turn: Quaternion) -> tuple[float, Vector]:
+    """Return the smallest gap of the points, m, for a pose of the second shape in the first's frame; its normal."""
+    normal, gap = vector_at(manifold, row, NORMAL), math.inf
+    for k in range(count):
+        p = POINT + POINT_SIZE * k
+        on_b = plus(at, turned(turn, vector_at(manifold, row, p + ON_B)))
+        gap = min(gap, dot(normal, minus(on_b, vector_at(manifold, row, p + ON_A))))
+    return gap, normal
 
 
 @compiled(inline=True)
