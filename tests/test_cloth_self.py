@@ -308,3 +308,14 @@ def test_a_heap_that_is_lost_ends_the_step_and_leaves_the_world_as_it_was(speed)
 def test_self_collision_is_on_or_off():
     with pytest.raises(kd.KickdriftError, match="self_collision"):
         kd.World().add_cloth_grid(self_collision="yes")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_flat_sheet_at_an_angle_does_not_cross_itself_by_rounding_errors(seed):
+    world = kd.World()
+    turn = np.array([0.9, 0.1, 0.2, 0.3])
+    turn /= np.linalg.norm(turn)
+    sheet = world.add_cloth_grid((0.6, 0.25), (10, 10), orientation=turn, self_collision=True)
+    sheet.velocity[:] = 0.3 * np.random.default_rng(seed).normal(size=sheet.velocity.shape)
+    world.step(1 / 60)
+    assert world.tables.array(tables.CLOTH_SEARCH)[0, layout.CROSSINGS] == 0
