@@ -12,7 +12,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, conjugate, dot, minus, plus, product, times, turned, turned_back
 from kickdrift.world.collision.narrow_phase.manifolds import deepest, find_manifold, write_points
 from kickdrift.world.collision.shape_poses import placed_pose
-from kickdrift.world.collision.shape_properties import is_round, sort_of
+from kickdrift.world.collision.shape_properties import half_width, is_round, sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
     BODY_A,
@@ -31,8 +31,9 @@ from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.tables import BODY, CONTACT, MANIFOLD, MOTION, SETTINGS, floats, integers, rows
 
 _SIZE = MANIFOLD.width
-_STEP_HEIGHT = 0.2  # of the slop: steps over which bodies slide
-_BEYOND = 2.0  # slops by which the shapes are moved on after they touch
+_BEYOND = 2.0  # slops by which the shapes are moved on after they touch, but no farther than half of their thickness
+_STEP_HEIGHT = 0.1  # of that: steps over which bodies slide
+_SAME = 1.0 - 1e-4  # cosine between normals of the same surface
 
 
 @compiled
@@ -58,7 +59,9 @@ def _is_ghost(world: int, row: int) -> bool:
     """Whether the points of a contact are those of a ghost collision."""
     contact, settings = integers(world, CONTACT), floats(world, SETTINGS)
     manifold, motion = floats(world, MANIFOLD), floats(world, MOTION)
-    height, beyond = _STEP_HEIGHT * settings[0, SLOP], _BEYOND * settings[0, SLOP]
+    thickness = min(half_width(world, contact[row, SHAPE_A]), half_width(world, contact[row, SHAPE_B]))
+    beyond = min(_BEYOND * settings[0, SLOP], thickness)
+    height = _STEP_HEIGHT * beyond
     at, turn = vector_at(manifold, row, FOUND_POSE), quaternion_at(manifold, row, FOUND_POSE + 3)
     _, turn_a = placed_pose(world, contact[row, SHAPE_A])
     gap, normal = deepest(manifold, row, contact[row, POINTS], at, turn)
@@ -66,13 +69,15 @@ def _is_ghost(world: int, row: int) -> bool:
     velocity = minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY))
     way = turned_back(turn_a, velocity)
     closing = -dot(normal, way)
-    if gap < -height or closing <= 0.0:
+    if gap < -height or settings[0, STEP] * closing <= height:
         return False
     ahead = carray(floats_on_stack(_SIZE), (1, _SIZE))
     then = plus(at, times((max(gap, 0.0) + beyond) / closing, way))
     count = write_points(world, row, then, turn, settings[0, MARGIN], ahead[0])
-    if count > 0 and deepest(ahead, 0, count, then, turn)[0] < -height:
-        return False
+    if count > 0:
+        depth, normal_then = deepest(ahead, 0, count, then, turn)
+        if depth < -height or dot(normal, normal_then) > _SAME:
+            return False
     if not (_slides(world, row, a, velocity, height) or _slides(world, row, b, velocity, height)):
         return False
     rolls = is_round(world, contact[row, SHAPE_A]) or is_round(world, contact[row, SHAPE_B])
