@@ -2,7 +2,8 @@
 
 Where a body has sunk in by a micrometre, the side of the next shape separates them more than its top does, until the body is
 above it. Such a contact is dropped if, moved on along their relative velocity, the shapes overlap by less than bodies at rest
-do, and a body rests on something else along which it slides.
+do, and a body rests on something else along which it slides. Where a body with corners reaches the next shape within the step,
+the points on top of it take the place of those at its side, and carry the body from there on.
 """
 
 from numba import carray
@@ -56,7 +57,7 @@ def _may_have_seams(world: int, row: int) -> bool:
 
 @compiled
 def _is_ghost(world: int, row: int) -> bool:
-    """Whether the points of a contact are those of a ghost collision."""
+    """Whether to drop a contact as a ghost collision; its points may be replaced by those on top of the shape instead."""
     contact, settings = integers(world, CONTACT), floats(world, SETTINGS)
     manifold, motion = floats(world, MANIFOLD), floats(world, MOTION)
     thickness = min(half_width(world, contact[row, SHAPE_A]), half_width(world, contact[row, SHAPE_B]))
@@ -82,7 +83,6 @@ def _is_ghost(world: int, row: int) -> bool:
         return False
     rolls = is_round(world, contact[row, SHAPE_A]) or is_round(world, contact[row, SHAPE_B])
     if count > 0 and not rolls and gap <= settings[0, STEP] * closing:
-        # It is reached in this step, and carries the body from there on.
         find_manifold(world, row, then, turn, settings[0, MARGIN])
         for k in range(3):
             manifold[row, FOUND_POSE + k] = at[k]

@@ -1,6 +1,5 @@
 """Pairs of a vertex and a triangle, and of edges, that two triangles own and that may touch."""
 
-import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -29,6 +28,7 @@ from kickdrift.world.deformables.self_collision.pair_culling import are_apart, n
 from kickdrift.world.deformables.self_collision.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.deformables.self_collision.swept_bounds import predicted
 from kickdrift.world.deformables.self_collision.untangling import note_crossing
+from kickdrift.world.material_mixing import mixed_friction
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     CLOTH_NUMBERS,
@@ -136,7 +136,7 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners, f: int, g: 
     pair[row, PAIR_KIND], own[row, PAIR_DISTANCE] = kind, kept
     own[row, PAIR_APART], own[row, PAIR_LAID] = _distance(floats(world, PARTICLE), kind, at), NOT_LAID
     own[row, PAIR_SEEN] = floats(world, CLOTH_SEARCH)[0, TRAVELLED]
-    own[row, PAIR_FRICTION] = math.sqrt(numbers[cloth, CLOTH_FRICTION] * numbers[other, CLOTH_FRICTION])
+    own[row, PAIR_FRICTION] = mixed_friction(numbers[cloth, CLOTH_FRICTION], numbers[other, CLOTH_FRICTION])
     return True
 
 
