@@ -58,6 +58,21 @@ def test_a_heap_of_cloth_sleeps():
     assert crossings(strip) == 0
 
 
+@pytest.mark.parametrize(("side", "thickness"), [(25, 0.02), (30, 0.012)])
+def test_a_sheet_that_drapes_over_a_ball_sleeps(side, thickness):
+    """Its folds touch in many places: where these swing freely in any part of a step, it moves at 0.1 m/s for ever."""
+    world = kd.World(sleeping=True)
+    world.add_plane()
+    world.add_sphere(0.3, position=(0, 0, 0.3), static=True)
+    sheet = world.add_cloth_grid(
+        (1, 1), (side, side), position=(0, 0, 0.65), density=0.2, thickness=thickness, damping=1e-3, linear_damping=0.5,
+        self_collision=True,
+    )  # fmt: skip
+    world.advance(STEP, 600)
+    assert not sheet.velocity.any()
+    assert crossings(sheet) == 0
+
+
 def test_a_heap_that_does_not_collide_with_itself_crosses():
     world, strip = heap(False)
     world.advance(STEP, 120)

@@ -44,6 +44,7 @@ from kickdrift.world.deformables.layout import (
     SHARED_PARTS,
     STIRRED,
     TURN,
+    VALID,
     VOLUME,
 )
 from kickdrift.world.deformables.particle_fields import drift_particles, fill_lanes, kick_by_forces
@@ -90,6 +91,9 @@ def move_cloths(t: float, h: float, world: int) -> None:
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
     if search[0, TURN] == 0.0:
+        # Pairs that touch are held from the start of a step, although snapshots do not contain them.
+        if search[0, SEARCH_STATE] != VALID and not find_cloth_pairs(world, h, h):
+            return
         _begin(world, h)
     parts, each = int(search[0, SHARED_PARTS]), int(search[0, INTERVAL])
     part = h / parts
@@ -105,11 +109,11 @@ def move_cloths(t: float, h: float, world: int) -> None:
             take_back_loads(world, (0.5 if k == 0 or k == parts else 1.0) / parts, h, left)
             _move(world, part, k == 0, k == parts, left)
         elif k == parts:
-            _stop(world, part, each * part)
+            _stop(world, part)
             break
         elif (k + 1) % each > 0 and k + 1 < parts:
             continue
-        elif meets(world) and not _meet(world, at % _TURNS, h, (k % each + 1) * part):
+        elif meets(world) and not _meet(world, at % _TURNS, h, (k % each + 1) * part, part):
             return
         search[0, TURN] = at + 1
     search[0, TURN] = 0.0
@@ -151,15 +155,15 @@ def _move(world: int, part: float, begins: bool, ends: bool, left: float) -> Non
     for cloth in range(rows(world, CLOTH)):
         _push(world, cloth, part, begins, ends, left)
     if not ends:
-        hold_pairs(world, part)
+        hold_pairs(world, part, floats(world, SETTINGS)[0, PUSH_SPEED])
         for cloth in range(rows(world, CLOTH)):
             carry_pins(world, cloth, part, left)
         drift_particles(world, part)
 
 
 @compiled
-def _meet(world: int, turn: int, h: float, interval: float) -> bool:
-    """Do one section of the cloth-cloth contact of an interval, s; False if there is no room for pairs.
+def _meet(world: int, turn: int, h: float, interval: float, part: float) -> bool:
+    """Do one section of the cloth-cloth contact of an interval, s, in its last part, s; False if there is no room for pairs.
 
     Section 1 goes back to the start of the interval, 2 applies impulses, 3 stops crossings and moves to its end.
     """
@@ -169,12 +173,12 @@ def _meet(world: int, turn: int, h: float, interval: float) -> bool:
         if not find_cloth_pairs(world, h, interval):
             return False
         for sweep in range(_SWEEPS):
-            resolve_pairs(world, interval, floats(world, SETTINGS)[0, PUSH_SPEED] if sweep == 0 else 0.0)
+            resolve_pairs(world, interval, part, floats(world, SETTINGS)[0, PUSH_SPEED] if sweep == 0 else 0.0)
     else:
         for _ in range(_SEARCHES):
             if not find_cloth_pairs(world, h, interval):
                 return False
-            stop_crossings(world, interval)
+            stop_crossings(world, interval, part)
             if find_strays(world, interval) == 0:
                 break
         _arrive(world, interval)
@@ -184,10 +188,10 @@ def _meet(world: int, turn: int, h: float, interval: float) -> bool:
 
 
 @compiled
-def _stop(world: int, part: float, interval: float) -> None:
+def _stop(world: int, part: float) -> None:
     """Stop approaching pairs at the end of the substep, including particles that impulses between cloths press onto bodies."""
     for _ in range(_LAST_SWEEPS if meets(world) else 0):
-        resolve_pairs(world, interval, 0.0)
+        resolve_pairs(world, part, part, 0.0)
         for cloth in range(rows(world, CLOTH)):
             resolve_contacts(world, cloth, part, 0.0, 0.0)
 

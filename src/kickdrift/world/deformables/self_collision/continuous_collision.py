@@ -1,4 +1,4 @@
-"""Continuous collision detection of cloth in the drift of a part of a substep, and impulses against crossings.
+"""Continuous collision detection of cloth in the drift of an interval, and impulses against crossings.
 
 The time at which a pair gets too close while its particles move along straight lines is found by conservative advancement: its
 steps are bounded by the distance, so that no crossing is missed (Li, Kaufman and Jiang, Codimensional incremental potential
@@ -12,7 +12,7 @@ from kickdrift.core.vectors import Vector, dot, length, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import PAIR_APART, PAIR_KIND, PAIR_SEEN, PARTICLE_VELOCITY, TRAVELLED
 from kickdrift.world.deformables.self_collision.impact_zones import begin_zones, join_zone, move_zones
-from kickdrift.world.deformables.self_collision.pair_impulses import add, is_free, mobility, particles_of
+from kickdrift.world.deformables.self_collision.pair_impulses import add, give_late, is_free, mobility, particles_of
 from kickdrift.world.deformables.self_collision.proximity import Ways, Weights, closing, less_mean, mix, mixed, nearest
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING
@@ -27,32 +27,32 @@ from kickdrift.world.tables import (
     rows,
 )
 
-_NEAR = 0.1  # of the distance at the start of a part: the smallest one allowed in it
+_NEAR = 0.1  # of the distance at the start of an interval: the smallest one allowed in it
 _LOOKS = 60  # advancement steps, after which a pair counts as too close
 _ROUNDS, _ZONE_ROUNDS = 4, 40
 _NEVER = 2.0
 
 
 @compiled
-def stop_crossings(world: int, part: float) -> None:
-    """Ensure that nothing crosses in the drift of a part of a substep, s, and update TRAVELLED."""
+def stop_crossings(world: int, interval: float, part: float) -> None:
+    """Ensure that nothing crosses in an interval, s, by impulses in its last part, s, and update TRAVELLED."""
     if rows(world, CLOTH_PAIR) == 0:
         return
     search = floats(world, CLOTH_SEARCH)
     for k in range(_ROUNDS + _ZONE_ROUNDS):
         if k == _ROUNDS:
             begin_zones(world)
-        ahead, zones = travels(world, part), k >= _ROUNDS
-        if _stop(world, part, search[0, TRAVELLED] + ahead, zones) == 0:
+        ahead, zones = travels(world, interval), k >= _ROUNDS
+        if _stop(world, interval, part, search[0, TRAVELLED] + ahead, zones) == 0:
             search[0, TRAVELLED] += ahead
             return
         if zones:
-            move_zones(world, part)
-    search[0, TRAVELLED] += travels(world, part)
+            move_zones(world, interval)
+    search[0, TRAVELLED] += travels(world, interval)
 
 
 @compiled
-def _stop(world: int, part: float, travelled: float, zones: bool) -> int:
+def _stop(world: int, interval: float, part: float, travelled: float, zones: bool) -> int:
     """Stop pairs that get too close, or add them to zones; return their number. `travelled` is TRAVELLED after the drift."""
     pair, numbers, hits = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), 0
     for row in range(rows(world, CLOTH_PAIR)):
@@ -60,7 +60,7 @@ def _stop(world: int, part: float, travelled: float, zones: bool) -> int:
         if not near or kind == CROSSING or is_free(world, row):
             continue
         at = particles_of(world, row)
-        ways = _ways(world, row, part)
+        ways = _ways(world, row, interval)
         bound = closing(kind, ways)
         time, weights, way = _time_of_hit(world, row, kind, ways, bound)
         if time == _NEVER or not mobility(world, at, weights) > 0.0:
@@ -70,13 +70,13 @@ def _stop(world: int, part: float, travelled: float, zones: bool) -> int:
             for k in range(3):
                 join_zone(world, at[0], at[k + 1])
             continue
-        _correct(world, row, part, weights, way)
+        _correct(world, row, interval, part, weights, way)
     return hits
 
 
 @compiled
-def _correct(world: int, row: int, part: float, weights: Weights, way: Vector) -> None:
-    """Make the distance of a pair at the end of the part, along `way`, as large as it is at its hit.
+def _correct(world: int, row: int, interval: float, part: float, weights: Weights, way: Vector) -> None:
+    """Make the distance of a pair at the end of an interval, along `way`, as large as it is at its hit.
 
     An impulse stops its approach; approach due to shifts is compensated by a shift, which gives no velocity.
     """
@@ -90,7 +90,7 @@ def _correct(world: int, row: int, part: float, weights: Weights, way: Vector) -
         vector_at(particle, at[2], 0),
         vector_at(particle, at[3], 0),
     )
-    ways = _ways(world, row, part)
+    ways = _ways(world, row, interval)
     end = dot(n, plus(start, mix(weights, ways[0], ways[1], ways[2], ways[3])))
     if not end < apart:
         return
@@ -98,21 +98,23 @@ def _correct(world: int, row: int, part: float, weights: Weights, way: Vector) -
     wanted = (apart - end) / gives
     approach = -dot(n, mixed(weights, particle, at, PARTICLE_VELOCITY))
     stopped = min(wanted, part * max(approach, 0.0) / gives)
-    add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, times(stopped / part, n))
+    give_late(world, at, weights, times(stopped / part, n), interval - part)
     add(world, PARTICLE_SHIFT, 0, at, weights, times(wanted - stopped, n))
 
 
 @compiled(inline=True)
-def _ways(world: int, row: int, part: float) -> Ways:
-    """Return the displacements of the particles of a pair in a part, less their mean."""
+def _ways(world: int, row: int, interval: float) -> Ways:
+    """Return the displacements of the particles of a pair in an interval, less their mean."""
     p, a, b, c = particles_of(world, row)
-    return less_mean(_way(world, p, part), _way(world, a, part), _way(world, b, part), _way(world, c, part))
+    return less_mean(
+        _way(world, p, interval), _way(world, a, interval), _way(world, b, interval), _way(world, c, interval)
+    )
 
 
 @compiled(inline=True)
-def _way(world: int, i: int, part: float) -> Vector:
-    """Return the displacement of a particle in a part, m."""
-    drift = times(part, vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY))
+def _way(world: int, i: int, interval: float) -> Vector:
+    """Return the displacement of a particle in an interval, m."""
+    drift = times(interval, vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY))
     return plus(drift, vector_at(floats(world, PARTICLE_SHIFT), i, 0))
 
 

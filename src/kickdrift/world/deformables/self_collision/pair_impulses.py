@@ -8,6 +8,7 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import (
     CROSSING_COUNT,
     FIRST_HELD,
+    INTERVAL,
     NEXT_HELD,
     NONE_HELD,
     PAIR_APART,
@@ -42,22 +43,22 @@ from kickdrift.world.tables import (
 
 _ABOVE = 0.99**2  # square of the cosine to the normal above which a vertex counts as above a triangle
 _TOUCHING = 1.1  # of its distance: a pair that is closer at the start of an interval is held during it
-_SOFT = 0.25  # fraction of the violation that is corrected in a part
+_SOFT = 0.25  # fraction of the violation that is corrected in an interval
 
 
 @compiled
-def resolve_pairs(world: int, part: float, push: float) -> None:
-    """Apply impulses that keep pairs from getting closer than their distance in a part of a substep, s.
+def resolve_pairs(world: int, interval: float, part: float, push: float) -> None:
+    """Apply impulses in the last part of an interval, s, that keep pairs from getting closer than their distance in it, s.
 
-    Pairs that are closer already are moved apart, at most with the speed `push`, m/s, without gaining velocity.
+    Triangles that cross are moved apart, at most with the speed `push`, m/s, without gaining velocity.
     """
     if rows(world, CLOTH_PAIR) == 0:
         return
     pair, numbers = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
-    travelled, ahead = floats(world, CLOTH_SEARCH)[0, TRAVELLED], travels(world, part)
+    travelled, ahead = floats(world, CLOTH_SEARCH)[0, TRAVELLED], travels(world, interval)
     for row in range(rows(world, CLOTH_PAIR)):
         if pair[row, PAIR_KIND] == CROSSING:
-            untangle(world, row, part * push)
+            untangle(world, row, interval * push)
             continue
         if numbers[row, PAIR_LAID] != travelled:
             least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
@@ -66,7 +67,7 @@ def resolve_pairs(world: int, part: float, push: float) -> None:
             _lay(world, row)
             numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
         if numbers[row, PAIR_GIVES] > 0.0:
-            _resolve(world, row, part, push)
+            _resolve(world, row, interval, part)
 
 
 @compiled
@@ -93,18 +94,23 @@ def begin_interval(world: int) -> None:
 
 
 @compiled
-def hold_pairs(world: int, part: float) -> None:
+def hold_pairs(world: int, part: float, push: float) -> None:
     """Apply impulses that keep pairs that touch from approaching in a part of an interval, s.
 
-    If they were left to the end of the interval, stiff cloth that they hold would swing freely until then. The impulses that
-    bring it back would do work each time, and folds would never come to rest.
+    Pairs that are closer than their distance are moved apart, at most with the speed `push`, m/s, without gaining velocity. If
+    either were left to the end of the interval, stiff cloth that the pairs hold would swing freely until then, and the
+    correction would do work each time: folds would never come to rest.
     """
     pair, numbers, particle = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), floats(world, PARTICLE)
-    row = int(floats(world, CLOTH_SEARCH)[0, FIRST_HELD])
+    row, share = int(floats(world, CLOTH_SEARCH)[0, FIRST_HELD]), _SOFT / floats(world, CLOTH_SEARCH)[0, INTERVAL]
     while row != NONE_HELD:
         at, weights, n = particles_of(world, row), _weights(numbers, row), vector_at(numbers, row, PAIR_NORMAL)
         gap = dot(n, mixed(weights, particle, at, 0)) - numbers[row, PAIR_DISTANCE]
-        _stop(world, row, mixed(weights, particle, at, PARTICLE_VELOCITY), -max(gap, 0.0) / part)
+        if gap < 0.0:
+            out = min(-share * gap, part * push)
+            add(world, PARTICLE, 0, at, weights, times(out / numbers[row, PAIR_GIVES], n))
+        impulse = _stopping(world, row, mixed(weights, particle, at, PARTICLE_VELOCITY), -max(gap, 0.0) / part)
+        add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
         row = pair[row, NEXT_HELD]
 
 
@@ -153,38 +159,33 @@ def _lay(world: int, row: int) -> None:
 
 
 @compiled
-def _resolve(world: int, row: int, part: float, push: float) -> None:
-    """Give the particles of a pair the impulse that stops their approach, and a shift where they are too close."""
+def _resolve(world: int, row: int, interval: float, part: float) -> None:
+    """Give the particles of a pair the impulse that stops their approach."""
     particle, shift, numbers = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT), floats(world, CLOTH_PAIR_NUMBERS)
     at, weights = particles_of(world, row), _weights(numbers, row)
     v, shifted = mixed(weights, particle, at, PARTICLE_VELOCITY), mixed(weights, shift, at, 0)
-    moved, gap = plus(times(part, v), shifted), numbers[row, PAIR_APART] - numbers[row, PAIR_DISTANCE]
+    moved, gap = plus(times(interval, v), shifted), numbers[row, PAIR_APART] - numbers[row, PAIR_DISTANCE]
     if gap > 0.0 and gap * gap > dot(moved, moved):
         return
-    n, gives = vector_at(numbers, row, PAIR_NORMAL), numbers[row, PAIR_GIVES]
-    gap += dot(n, shifted)
-    if gap < 0.0:
-        out = min(-_SOFT * gap, part * push)
-        add(world, PARTICLE_SHIFT, 0, at, weights, times(out / gives, n))
-    _stop(world, row, v, -max(gap, 0.0) / part)
+    gap += dot(vector_at(numbers, row, PAIR_NORMAL), minus(moved, times(part, v)))
+    give_late(world, at, weights, _stopping(world, row, v, -max(gap, 0.0) / part), interval - part)
 
 
 @compiled(inline=True)
-def _stop(world: int, row: int, v: Vector, wanted: float) -> None:
-    """Raise the normal component of the relative velocity v of a pair to `wanted`, with friction, m/s."""
+def _stopping(world: int, row: int, v: Vector, wanted: float) -> Vector:
+    """Return the impulse that raises the normal component of the velocity v of a pair to `wanted`, m/s, with friction."""
     numbers = floats(world, CLOTH_PAIR_NUMBERS)
-    at, weights, gives = particles_of(world, row), _weights(numbers, row), numbers[row, PAIR_GIVES]
-    n = vector_at(numbers, row, PAIR_NORMAL)
+    gives, n = numbers[row, PAIR_GIVES], vector_at(numbers, row, PAIR_NORMAL)
     approach = dot(n, v)
     if approach >= wanted:
-        return
+        return (0.0, 0.0, 0.0)
     given = (wanted - approach) / gives
     impulse = times(given, n)
     slip = minus(v, times(approach, n))
     speed = length(slip)
     if speed > 0.0:
         impulse = minus(impulse, times(min(numbers[row, PAIR_FRICTION] * given, speed / gives) / speed, slip))
-    add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
+    return impulse
 
 
 @compiled(inline=True)
@@ -220,6 +221,17 @@ def mobility(world: int, at: Corners, weights: Weights) -> float:
     for k in range(4):
         total += weights[k] * weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]
     return total
+
+
+@compiled(inline=True)
+def give_late(world: int, at: Corners, weights: Weights, impulse: Vector, late: float) -> None:
+    """Give the particles of a pair an impulse at the time `late`, s, in an interval: until then they do not move with it.
+
+    An impulse that moved them for the whole interval would strain the cloth without being stopped by its forces, which do work
+    on it afterwards. By that work folds tremble for ever.
+    """
+    add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
+    add(world, PARTICLE_SHIFT, 0, at, weights, times(-late, impulse))
 
 
 @compiled(inline=True)
