@@ -25,7 +25,7 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.planar_contacts import flatten_contact
-from kickdrift.world.contacts.round_cores import RollingCore, radius_at, rolling_core, rolls
+from kickdrift.world.contacts.round_cores import RollingCore, radius_at, rolling_core, rolls, spin_axis
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,
@@ -99,6 +99,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.ARM_A + k) * c.WIDTH], raw[(r.ARM_B + k) * c.WIDTH] = arm_a[k], arm_b[k]
         raw[(r.APART + k) * c.WIDTH], scratch[(r.FROM_A_TO_B + k) * c.WIDTH] = apart[k], lay[k]
         raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = turning_a[k], turning_b[k]
+    _gather_spin_axis(world, row, turn_b if _is_at_rest(world, a) else turn_a, raw)
     _gather_points(world, row, round_a, round_b, raw)
     _gather_masses(world, a, b, raw, scratch)
     weight = max(weight_per_mass(world, a), weight_per_mass(world, b))
@@ -144,6 +145,30 @@ def _frames_of_arms(
     for k in range(3):
         manifold[row, c.REST_APART + k] = apart[k]
     return (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
+
+
+@compiled(inline=True)
+def _is_at_rest(world: int, body: int) -> bool:
+    """Whether nothing moves a body, and it does not turn."""
+    w = vector_at(floats(world, MOTION), body, ANGULAR_VELOCITY)
+    return bool(floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] == 0.0 and dot(w, w) == 0.0)
+
+
+@compiled(inline=True)
+def _gather_spin_axis(world: int, row: int, turn: Quaternion, raw: Any) -> None:
+    """Gather the axis of a solid of revolution, whose orientation is `turn`, on a body at rest; zeros otherwise.
+
+    Between two bodies that move, the impulse without torque about an axis would change their angular momentum.
+    """
+    contact, axis = integers(world, CONTACT), (0.0, 0.0, 0.0)
+    rests_a, rests_b = _is_at_rest(world, contact[row, c.BODY_A]), _is_at_rest(world, contact[row, c.BODY_B])
+    if rests_a or rests_b:
+        side = int(rests_a)
+        shape, body = contact[row, c.SHAPE_A + side], contact[row, c.BODY_A + side]
+        at, _ = placed_pose(world, shape)
+        axis = spin_axis(world, shape, turn, minus(at, vector_at(floats(world, POSE), body, POSITION)))
+    for k in range(3):
+        raw[(r.SPIN_AXIS + k) * c.WIDTH] = axis[k]
 
 
 @compiled(inline=True)

@@ -73,7 +73,7 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
 
 @compiled(fast=True, inline=True)
 def _refresh_point(
-    own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, rounds: Any, sums: Any
+    own: Any, s: Any, lane: int, i: int, at: int, k: float, slop: float, h: float, rounds: Any, axis: Any, sums: Any
 ) -> Any:
     """Recompute arm, effective mass and, if h > 0, the gap of a point; return the weighted sum of positions so far."""
     nx, ny, nz = vector(own, c.N, lane)
@@ -98,6 +98,17 @@ def _refresh_point(
     qx, qy, qz = px - dx, py - dy, pz - dz
     ux, uy, uz = py * nz - pz * ny, pz * nx - px * nz, px * ny - py * nx
     vx, vy, vz = qy * nz - qz * ny, qz * nx - qx * nz, qx * ny - qy * nx
+    # One of the bodies is immovable where there is an axis; the change of its own arm has no effect.
+    (ax, ay, az), fixed = axis, own[c.MASS_A * W + lane] == 0.0
+    spin = (vx if fixed else ux) * ax + (vy if fixed else uy) * ay + (vz if fixed else uz) * az
+    ux, uy, uz, vx, vy, vz = (
+        ux - spin * ax,
+        uy - spin * ay,
+        uz - spin * az,
+        vx - spin * ax,
+        vy - spin * ay,
+        vz - spin * az,
+    )
     response = own[c.MASS_A * W + lane] + own[c.MASS_B * W + lane]
     response += response_to(s, INERTIA_A * W + lane, ux, uy, uz, ux, uy, uz)
     response += response_to(s, INERTIA_B * W + lane, vx, vy, vz, vx, vy, vz)
@@ -140,11 +151,16 @@ def refresh(own: Any, s: Any, slop: float, h: float, none: float, n: int) -> Non
         round_a = away(s, (VELOCITY_A + 3) * W + lane, normal, x, y, z)
         x, y, z = vector(own, c.AXES + 3, lane)
         x, y, z = turned(s, TURNED_B * W + lane, x, y, z)
+        u, v, w = vector(own, c.SPIN_AXIS, lane)
+        px, py, pz = turned(s, TURNED_A * W + lane, u, v, w)
+        qx, qy, qz = turned(s, TURNED_B * W + lane, u, v, w)
+        fixed = own[c.MASS_A * W + lane] == 0.0
+        axis = (qx if fixed else px, qy if fixed else py, qz if fixed else pz)
         rounds = (round_a, away(s, (VELOCITY_B + 3) * W + lane, normal, x, y, z))
-        sums = _refresh_point(own, s, lane, i, at, 0.5, slop, h, rounds, sums)
-        sums = _refresh_point(own, s, lane, i + NEXT, at + _ANCHOR, 1.5, slop, h, rounds, sums)
-        sums = _refresh_point(own, s, lane, i + 2 * NEXT, at + 2 * _ANCHOR, 2.5, slop, h, rounds, sums)
-        sums = _refresh_point(own, s, lane, i + 3 * NEXT, at + 3 * _ANCHOR, 3.5, slop, h, rounds, sums)
+        sums = _refresh_point(own, s, lane, i, at, 0.5, slop, h, rounds, axis, sums)
+        sums = _refresh_point(own, s, lane, i + NEXT, at + _ANCHOR, 1.5, slop, h, rounds, axis, sums)
+        sums = _refresh_point(own, s, lane, i + 2 * NEXT, at + 2 * _ANCHOR, 2.5, slop, h, rounds, axis, sums)
+        sums = _refresh_point(own, s, lane, i + 3 * NEXT, at + 3 * _ANCHOR, 3.5, slop, h, rounds, axis, sums)
         weight, cx, cy, cz = sums
         scale = 1.0 / (weight + 1e-300)
         cx, cy, cz = cx * scale, cy * scale, cz * scale

@@ -133,6 +133,7 @@ ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
 AXES = _CONSTRAINT.field(
     6
 )  # axes perpendicular to the radii of both shapes, when the step began; zeros of balls and capsules
+SPIN_AXIS = _CONSTRAINT.field(3)  # about which normal impulses have no torque, when the step began; or zeros
 SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, and that on b, 1
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step

@@ -39,6 +39,7 @@ LANDING = _RAW.field(1, "m/s")
 STALE = _RAW.field(2, "rad, m")
 AXIS_A = _RAW.field(3)  # in the world's axes
 AXIS_B = _RAW.field(3)
+SPIN_AXIS = _RAW.field(3)  # in the world's axes
 TURNING_A = _RAW.field(3, "rad/s")  # angular velocities
 TURNING_B = _RAW.field(3, "rad/s")
 RAW = _RAW.close()
@@ -151,6 +152,8 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         round_a = away(raw, TURNING_A * W + lane, n, x, y, z)
         x, y, z = vector(raw, AXIS_B, lane)
         put(own, c.AXES + 3, lane, x, y, z)
+        u, v, w = vector(raw, SPIN_AXIS, lane)
+        put(own, c.SPIN_AXIS, lane, u, v, w)
         round_b = away(raw, TURNING_B * W + lane, n, x, y, z)
         _fill_point(own, raw, lane, j, i, at, h, round_a, round_b)
         _fill_point(own, raw, lane, j + _ANCHOR, i + NEXT, at + _ANCHOR, h, round_a, round_b)

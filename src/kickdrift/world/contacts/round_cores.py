@@ -11,8 +11,10 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, turned
 from kickdrift.world.collision.shape_properties import core_of
+from kickdrift.world.layout import RADIUS
 from kickdrift.world.shapes.frustum import radial
 from kickdrift.world.shapes.record import AXIS
+from kickdrift.world.tables import PLACE, floats
 
 # Radius of all points, or 0.0; the axis in the world's axes, or zeros; the direction of the radius, in the shape's frame
 RollingCore = tuple[float, Vector, Vector]
@@ -21,6 +23,7 @@ _NONE: Vector = (0.0, 0.0, 0.0)
 # Sine of the angle between a flat end and the surface below it, now or at the end of the step, below which its points are fixed
 # in the body: the lowest point of the rim is determined by rounding then.
 _STANDS = 0.05
+_CENTRED = 1e-9  # of its size: distance of the centre of the body from the axis of a shape that turns about it
 _ASTRAY = 0.01  # of the radius: distance by which points of the side may be off the plane of axis and normal
 
 
@@ -39,6 +42,21 @@ def rolling_core(
         return 0.0, _NONE, way
     _, x, y = radial(way[0], way[1])
     return 0.0, axis, (x, y, 0.0)
+
+
+@compiled
+def spin_axis(world: int, shape: int, turn: Quaternion, arm: Vector) -> Vector:
+    """Return the axis of a solid of revolution if it passes through the centre of its body; zeros otherwise.
+
+    Every normal of such a surface meets the axis, so that normal impulses have no torque about it. Points of a flat end, which
+    are fixed in the body, are beside the true point of contact: with theirs, frictionless cylinders that land upright change
+    their spin by up to 36 rad/s. `arm` is from the centre of the body to that of the shape.
+    """
+    if core_of(world, shape) != AXIS:
+        return _NONE
+    axis = turned(turn, (0.0, 0.0, 1.0))
+    beside = cross(arm, axis)
+    return axis if dot(beside, beside) <= (_CENTRED * floats(world, PLACE)[shape, RADIUS]) ** 2 else _NONE
 
 
 @compiled(inline=True)

@@ -4,7 +4,6 @@ They fly there as by the stages `kick` and `drift`: by the midpoint rule, and ro
 impact they are moved back to the pose from which their new velocities lead through it, for the drift that follows.
 """
 
-import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
@@ -14,9 +13,7 @@ from kickdrift.core.vectors import (
     applied,
     conjugate,
     cross,
-    dot,
     exponential,
-    length,
     minus,
     plus,
     product,
@@ -130,43 +127,6 @@ def place_of(world: int, body: int, at: Vector, q: Quaternion) -> Place:
 
 
 @compiled
-def arms_between(own: Any, point: int, normal: Vector, a: Place, b: Place) -> tuple[Vector, Vector, Vector]:
-    """Return the arms of both bodies to their own points of contact, and the vector from the first point to the second."""
-    anchor = c.ANCHORS + c.ANCHOR_SIZE * point
-    arm_a, arm_b = turned(a[1], vector_of(own, anchor)), turned(b[1], vector_of(own, anchor + c.ANCHOR_B))
-    radius_a, radius_b = own[(anchor + c.RADII) * c.WIDTH], own[(anchor + c.RADII + 1) * c.WIDTH]
-    arm_a = plus(arm_a, times(radius_a, _away(turned(a[1], vector_of(own, c.AXES)), normal)))
-    arm_b = minus(arm_b, times(radius_b, _away(turned(b[1], vector_of(own, c.AXES + 3)), normal)))
-    return arm_a, arm_b, minus(plus(minus(b[0], a[0]), arm_b), arm_a)
-
-
-@compiled
-def arms_now(world: int, row: int, own: Any, point: int, when: float, normal: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return the same for bodies moved to their impact; immovable ones, which are not, are extrapolated to its time."""
-    contact = integers(world, CONTACT)
-    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    return arms_between(own, point, normal, _place_now(world, a, when), _place_now(world, b, when))
-
-
-@compiled(inline=True)
-def _place_now(world: int, body: int, when: float) -> Place:
-    """Return the present place of a body, or for an immovable one that at a time in the substep."""
-    pose, motion = floats(world, POSE), floats(world, MOTION)
-    at, q = vector_at(pose, body, POSITION), quaternion_at(pose, body, ORIENTATION)
-    if not is_moved(world, body):
-        at = plus(at, times(when, vector_at(motion, body, VELOCITY)))
-        q = product(exponential(times(when, vector_at(motion, body, ANGULAR_VELOCITY))), q)
-    return place_of(world, body, at, q)
-
-
-@compiled(inline=True)
-def _away(axis: Vector, normal: Vector) -> Vector:
-    """Return the direction of radii about an axis: the part of the normal perpendicular to it; the normal for a zero axis."""
-    way = minus(normal, times(dot(normal, axis), axis))
-    return times(1.0 / max(length(way), 1e-150), way)
-
-
-@compiled
 def move_to_impact(world: int, h: float, body: int) -> None:
     """Move a body to the pose of its next impact, with the velocities that it has there."""
     kicked, pose, motion = floats(world, KICKED), floats(world, POSE), floats(world, MOTION)
@@ -242,32 +202,3 @@ def _turn_to(world: int, body: int, turn: Quaternion) -> None:
         inverse = turned_symmetric(q, symmetric_at(inertia, body, INVERSE_INERTIA))
         for k in range(6):
             inverse_mass[body, INVERSE_INERTIA_IN_WORLD + k] = inverse[k]
-
-
-@compiled
-def normal_at(world: int, row: int, own: Any, when: float) -> Vector:
-    """Return the normal of a contact whose bodies are moved to their impact, see `normal_between`."""
-    contact = integers(world, CONTACT)
-    a, b = _place_now(world, contact[row, c.BODY_A], when), _place_now(world, contact[row, c.BODY_B], when)
-    normal, _ = normal_between(own, vector_of(own, c.N), a, b)
-    return normal
-
-
-@compiled
-def normal_between(own: Any, normal: Vector, a: Place, b: Place) -> tuple[Vector, float]:
-    """Return the normal of a contact at these places, and the distance over which it turns, m.
-
-    For two balls it is the direction from one centre to the other, and turns over their distance; for other shapes it is the
-    one given, and does not turn: the distance is infinite.
-    """
-    radii, axes = c.ANCHORS + c.RADII, c.AXES
-    radius_a, radius_b = own[radii * c.WIDTH], own[(radii + 1) * c.WIDTH]
-    about_axes = length(vector_of(own, axes)) + length(vector_of(own, axes + 3)) > 0.0
-    if radius_a == 0.0 or radius_b == 0.0 or about_axes or own[c.COUNT * c.WIDTH] > 1.0:
-        return normal, math.inf
-    _, _, between = arms_between(own, 0, normal, a, b)
-    line = plus(between, times(radius_a + radius_b, normal))
-    far = length(line)
-    if far <= 1e-9 * (radius_a + radius_b):
-        return normal, math.inf
-    return times(1.0 / far, line), far

@@ -6,7 +6,14 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
 from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import arms_now, constraint, normal_at, vector_of
+from kickdrift.world.contacts.impacts.impact_motion import constraint, vector_of
+from kickdrift.world.contacts.impacts.moved_contacts import (
+    meeting_arms,
+    meets_at_one_point,
+    normal_between,
+    place_now,
+    torque_arm,
+)
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     IMPACT_TIME,
@@ -57,24 +64,24 @@ def meet(world: int, hit: Any, least: float) -> None:
     row, kicked, contact = int(hit[ROW]), floats(world, KICKED), integers(world, CONTACT)
     a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
     when = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
-    normal = normal_at(world, row, own, when)
+    place_a, place_b = place_now(world, a, when), place_now(world, b, when)
+    normal, _ = normal_between(world, row, own, place_a, place_b)
     first = minus(vector_of(own, c.T), times(dot(normal, vector_of(own, c.T)), normal))
     first = times(1.0 / length(first), first)
     put_vector(hit, NORMAL, normal)
     put_vector(hit, TANGENT, first)
-    near, share = 0.1 * floats(world, SETTINGS)[0, SLOP], own[c.SHARE * c.WIDTH]
+    near, single = 0.1 * floats(world, SETTINGS)[0, SLOP], meets_at_one_point(world, row, own, place_a, place_b)
     centre_a, centre_b, found, hit[APPROACH] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
     for k in range(4):
         hit[IMPACT_POINTS + POINT_SIZE * k + PLASTIC] = -1.0
-        if not (hit[TIMES + k] - when) * hit[SPEED] <= near:
+        if not (hit[TIMES + k] - when) * hit[SPEED] <= near or (single and found > 0.0):
             continue
         point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
-        arm_a, arm_b, between = arms_now(world, row, own, k, when, normal)
-        if dot(normal, between) > near:  # it has hit before, and has separated
+        _, arm_a, arm_b, gap = meeting_arms(world, row, own, k, place_a, place_b)
+        if gap > near:  # it has hit before, and has separated
             continue
-        arm_a, arm_b = plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between))
-        put_vector(point, TURN_A, cross(arm_a, normal))
-        put_vector(point, TURN_B, cross(arm_b, normal))
+        put_vector(point, TURN_A, torque_arm(world, contact[row, c.SHAPE_A], place_a, arm_a, normal))
+        put_vector(point, TURN_B, torque_arm(world, contact[row, c.SHAPE_B], place_b, arm_b, normal))
         speed = separating_speed(world, a, b, normal, point)
         hit[APPROACH] = max(hit[APPROACH], -speed)
         if speed < -least:

@@ -13,15 +13,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import (
-    Flight,
-    Place,
-    arms_between,
-    flown,
-    normal_between,
-    place_of,
-    vector_of,
-)
+from kickdrift.world.contacts.impacts.impact_motion import Flight, Place, flown, place_of, vector_of
+from kickdrift.world.contacts.impacts.moved_contacts import arms_between, normal_between
 from kickdrift.world.layout import ADDED, ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import CONTACT, KICKED, MOTION, SETTINGS, floats, integers
@@ -75,7 +68,7 @@ def find_time(
         within the substep, or it overlaps and comes to separate as fast.
     """
     normal = vector_of(own, c.N)
-    gap, speed, bend = _gap(world, h, row, own, point, normal, flight_a, flight_b)
+    gap, speed, bend = _gap(world, h, row, own, point, flight_a, flight_b)
     rate, most = _fastest_turn(world, h, row, own, point, normal, flight_a, flight_b)
     left = h - since
     if gap > 0.0 and gap + left * speed - 0.5 * most * left * left > 0.0:
@@ -91,7 +84,7 @@ def find_time(
             break
         first, above = when, gap > 0.0
         when = min(when + min(window, _time_to_zero(gap, speed, bend) if above else window), h)
-        gap, speed, bend = _gap_at(world, h, row, own, point, normal, when)
+        gap, speed, bend = _gap_at(world, h, row, own, point, when)
         for _ in range(_ROUNDS if above else 0):
             step = _time_to_zero(gap, speed, bend)
             if abs(step) <= _TOLERANCE * h:
@@ -99,7 +92,7 @@ def find_time(
             if gap == 0.0 or not first <= when + step <= min(first + window, h):
                 break
             when += step
-            gap, speed, bend = _gap_at(world, h, row, own, point, normal, when)
+            gap, speed, bend = _gap_at(world, h, row, own, point, when)
         touches, leaves = min(touches, when if gap <= 0.0 else math.inf), max(leaves, speed)
     return touches, 0.0, leaves > slowest or (touches == math.inf and most * left > slowest)
 
@@ -114,24 +107,22 @@ def _time_to_zero(gap: float, speed: float, bend: float) -> float:
 
 
 @compiled
-def _gap_at(
-    world: int, h: float, row: int, own: Any, point: int, normal: Vector, when: float
-) -> tuple[float, float, float]:
+def _gap_at(world: int, h: float, row: int, own: Any, point: int, when: float) -> tuple[float, float, float]:
     """Return `_gap` at a time in the substep."""
     contact = integers(world, CONTACT)
     flight_a, flight_b = flown(world, h, contact[row, c.BODY_A], when), flown(world, h, contact[row, c.BODY_B], when)
-    return _gap(world, h, row, own, point, normal, flight_a, flight_b)
+    return _gap(world, h, row, own, point, flight_a, flight_b)
 
 
 @compiled
 def _gap(
-    world: int, h: float, row: int, own: Any, point: int, normal: Vector, flight_a: Flight, flight_b: Flight
+    world: int, h: float, row: int, own: Any, point: int, flight_a: Flight, flight_b: Flight
 ) -> tuple[float, float, float]:
     """Return the gap of a point and its first and second derivative in time, for the given motions of its bodies."""
     contact = integers(world, CONTACT)
     a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
     place_a, place_b = place_of(world, a, flight_a[0], flight_a[1]), place_of(world, b, flight_b[0], flight_b[1])
-    normal, far = normal_between(own, normal, place_a, place_b)
+    normal, far = normal_between(world, row, own, place_a, place_b)
     arm_a, arm_b, between = arms_between(own, point, normal, place_a, place_b)
     speed = dot(
         normal, minus(plus(flight_b[2], cross(flight_b[3], arm_b)), plus(flight_a[2], cross(flight_a[3], arm_a)))
