@@ -340,6 +340,26 @@ def test_a_sleeping_body_wakes_where_a_cloth_hits_it(speed):
     assert (ball.velocity[2] < -0.1) == (speed < 0.0)
 
 
+@pytest.mark.parametrize("side", [17, 19, 20, 21])
+def test_a_ball_gains_no_energy_where_triangles_stretch_beyond_what_their_corners_cover(side):
+    world = kd.World()
+    sheet = world.add_cloth_grid(
+        (1, 1),
+        (side, side),
+        density=0.3,
+        stretch_stiffness=3000,
+        shear_stiffness=900,
+        bending_stiffness=1e-4,
+        thickness=0.01,
+    )
+    sheet.pin(np.flatnonzero(np.abs(sheet.position[:, :2]).max(axis=1) > 0.5 - 1e-6))
+    world.add_sphere(0.12, mass=4, position=(0, 0, 0.14), velocity=(0, 0, -2))
+    energy = world.energy().total
+    for _ in range(90):
+        world.step(STEP)
+        assert world.energy().total < energy + 0.16  # 1 % of that of the impact
+
+
 def test_a_ball_dents_a_trampoline_and_comes_back():
     world = kd.World(substeps=8)
     n = 15
