@@ -59,6 +59,31 @@ def test_frictionless_capsules_that_hit_each_other_keep_their_spins_and_the_angu
     assert hits > 30
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_frictionless_balls_that_hit_each_other_keep_their_spins_and_the_angular_momentum(restitution):
+    hits = 0
+    for seed in range(60):
+        rng, world, balls = np.random.default_rng(seed), kd.World(gravity=(0, 0, 0)), []
+        for k in range(2):
+            ball = world.add_sphere(
+                rng.uniform(0.05, 0.2), mass=10 ** rng.uniform(-1, 1), friction=0.0, restitution=restitution,
+                position=rng.normal(size=3) * 0.05 + (1.2 * k, 0, 0), angular_velocity=2.0 * rng.normal(size=3),
+                velocity=(-k * rng.uniform(0.5, 8), *(0.3 * rng.normal(size=2))),
+            )  # fmt: skip
+            balls.append(ball)
+        before, spins, momentum = (
+            balls[0].velocity.copy(),
+            [b.angular_velocity.copy() for b in balls],
+            world.angular_momentum(),
+        )
+        world.advance(STEP, 60)
+        hits += not np.array_equal(balls[0].velocity, before)
+        for ball, started in zip(balls, spins, strict=True):
+            assert ball.angular_velocity == pytest.approx(started, abs=1e-11)
+        assert np.abs(world.angular_momentum() - momentum).max() < 1e-10 * np.linalg.norm(momentum)
+    assert hits > 30
+
+
 def test_capsules_with_friction_change_their_spins():
     world, bodies = random_pair(np.random.default_rng(0), 1.0, friction=0.5)
     started = [spin(b) for b in bodies]

@@ -172,7 +172,11 @@ def _put_poses(world: int, g: int, scratch: Any, n: int) -> None:
 
 @compiled(inline=True)
 def _refresh(world: int, h: float, own: Any, scratch: Any, n: int) -> None:
-    kernels = integers(world, KERNEL_ADDRESSES)
+    kernels, turns = integers(world, KERNEL_ADDRESSES), 0.0
+    for lane in range(n):
+        turns += own[c.TURNS * _W + lane]
+    if turns > 0.0:
+        run_kernel(kernels[0, c.TURN_NORMALS], (own, scratch, 0.0, 0.0, 0.0, n))
     run_kernel(kernels[0, c.REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
     run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
 

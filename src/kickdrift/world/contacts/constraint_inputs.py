@@ -35,10 +35,12 @@ from kickdrift.world.layout import (
     ORIENTATION,
     POSITION,
     RADIUS,
+    SHAPE_KIND,
     SURFACE_VELOCITY,
 )
 from kickdrift.world.material_mixing import mixed_friction, mixed_rolling_resistance
 from kickdrift.world.settings import PLANE_NORMAL, STEP, SUBSTEPS
+from kickdrift.world.shapes.kind_numbers import SPHERE
 from kickdrift.world.tables import (
     CONTACT,
     INVERSE_MASS,
@@ -106,13 +108,16 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     raw[r.LANDING * c.WIDTH] = RESTING_SUBSTEPS * step / floats(world, SETTINGS)[0, SUBSTEPS] * weight
     _gather_surfaces(world, row, soft, softer, raw)
     raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH])
-    place = floats(world, PLACE)
+    place, kinds = floats(world, PLACE), integers(world, SHAPE)
+    balls = kinds[shape_a, SHAPE_KIND] == SPHERE and kinds[shape_b, SHAPE_KIND] == SPHERE
+    raw[r.TURNS * c.WIDTH] = 1.0 if balls and contact[row, c.CONTACT_STATE] & (c.MOVING | c.FAST) != 0 else 0.0
     least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
     still = max(_STILL * step * width, least)
     raw[(r.STALE + 1) * c.WIDTH] = still
     raw[r.STALE * c.WIDTH] = still / max(height, width + least)
     plane = vector_at(floats(world, SETTINGS), 0, PLANE_NORMAL)
     if dot(plane, plane) > 0.0:
+        raw[r.TURNS * c.WIDTH] = 0.0
         flatten_contact(raw, plane)
 
 

@@ -13,7 +13,7 @@ from numba import types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.effective_mass_simd import find_stale, refresh, refresh_friction
+from kickdrift.world.contacts.effective_mass_simd import find_stale, refresh, refresh_friction, turn_normals
 from kickdrift.world.contacts.friction_and_rolling_simd import solve_friction
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
@@ -211,5 +211,6 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
 # By columns of the table `KERNEL_ADDRESSES`, which holds their addresses
 KERNELS = {
     c.APPLY_IMPULSES: apply_impulses, c.SOLVE_NORMALS: solve_normals, c.SOLVE_FRICTION: solve_friction, c.FILL: fill,
-    c.FIND_STALE: find_stale, c.REFRESH: refresh, c.REFRESH_FRICTION: refresh_friction, c.MEASURE: measure_normals,
+    c.FIND_STALE: find_stale, c.REFRESH: refresh, c.REFRESH_FRICTION: refresh_friction,
+    c.TURN_NORMALS: turn_normals, c.MEASURE: measure_normals,
 }  # fmt: skip

@@ -49,6 +49,7 @@ FILL = column(KERNEL_ADDRESSES)
 FIND_STALE = column(KERNEL_ADDRESSES)
 REFRESH = column(KERNEL_ADDRESSES)
 REFRESH_FRICTION = column(KERNEL_ADDRESSES)
+TURN_NORMALS = column(KERNEL_ADDRESSES)
 MEASURE = column(KERNEL_ADDRESSES)
 LANE_COUNT = column(KERNEL_ADDRESSES)
 # Functions of the direct solver that `kickdrift.world.direct.island_calls` calls
@@ -134,6 +135,7 @@ AXES = _CONSTRAINT.field(
     6
 )  # axes perpendicular to the radii of both shapes, when the step began; zeros of balls and capsules
 SPIN_AXIS = _CONSTRAINT.field(3)  # about which normal impulses have no torque, when the step began; or zeros
+TURNS = _CONSTRAINT.field()  # 1.0 if the normal is the direction between the centres of two balls, and turns with it
 SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, and that on b, 1
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step

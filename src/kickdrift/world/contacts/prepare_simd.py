@@ -35,6 +35,7 @@ RESISTANCE = _RAW.field(1, "m")
 ROLLED = _RAW.field(3, "N m s")
 SOFTNESS = _RAW.field(3)
 SHARE = _RAW.field()
+TURNS = _RAW.field()
 LANDING = _RAW.field(1, "m/s")
 STALE = _RAW.field(2, "rad, m")
 AXIS_A = _RAW.field(3)  # in the world's axes
@@ -162,6 +163,7 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         i += c.IMPULSE * W
         own[i], own[i + NEXT] = raw[IMPULSE * W + lane], raw[(IMPULSE + 1) * W + lane]
         own[i + 2 * NEXT], own[i + 3 * NEXT] = raw[(IMPULSE + 2) * W + lane], raw[(IMPULSE + 3) * W + lane]
+        own[c.TURNS * W + lane] = raw[TURNS * W + lane]
         own[c.SHARE * W + lane], own[c.COUNT * W + lane] = raw[SHARE * W + lane], raw[COUNT * W + lane]
         own[c.MOST_TURN * W + lane], own[c.MOST_SLIDE * W + lane] = raw[STALE * W + lane], raw[(STALE + 1) * W + lane]
         own[c.REFRESHED * W + lane], own[c.BOUNCE_THRESHOLD * W + lane] = 0.0, 1e300
