@@ -101,7 +101,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.ARM_A + k) * c.WIDTH], raw[(r.ARM_B + k) * c.WIDTH] = arm_a[k], arm_b[k]
         raw[(r.APART + k) * c.WIDTH], scratch[(r.FROM_A_TO_B + k) * c.WIDTH] = apart[k], lay[k]
         raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = turning_a[k], turning_b[k]
-    _gather_spin_axis(world, row, turn_b if _is_at_rest(world, a) else turn_a, raw)
+    _gather_spin_axis(world, row, raw)
     _gather_points(world, row, round_a, round_b, raw)
     _gather_masses(world, a, b, raw, scratch)
     weight = max(weight_per_mass(world, a), weight_per_mass(world, b))
@@ -153,24 +153,24 @@ def _frames_of_arms(
 
 
 @compiled(inline=True)
-def _is_at_rest(world: int, body: int) -> bool:
-    """Whether nothing moves a body, and it does not turn."""
+def _cannot_turn(world: int, body: int) -> bool:
+    """Whether impulses do not move a body, and it does not turn."""
     w = vector_at(floats(world, MOTION), body, ANGULAR_VELOCITY)
     return bool(floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] == 0.0 and dot(w, w) == 0.0)
 
 
 @compiled(inline=True)
-def _gather_spin_axis(world: int, row: int, turn: Quaternion, raw: Any) -> None:
-    """Gather the axis of a solid of revolution, whose orientation is `turn`, on a body at rest; zeros otherwise.
+def _gather_spin_axis(world: int, row: int, raw: Any) -> None:
+    """Gather the axis of a solid of revolution that touches a body that cannot turn; zeros otherwise.
 
-    Between two bodies that move, the impulse without torque about an axis would change their angular momentum.
+    Between two bodies that move, an impulse without torque about the axis of one would change their angular momentum.
     """
     contact, axis = integers(world, CONTACT), (0.0, 0.0, 0.0)
-    rests_a, rests_b = _is_at_rest(world, contact[row, c.BODY_A]), _is_at_rest(world, contact[row, c.BODY_B])
-    if rests_a or rests_b:
-        side = int(rests_a)
+    fixed_a, fixed_b = _cannot_turn(world, contact[row, c.BODY_A]), _cannot_turn(world, contact[row, c.BODY_B])
+    if fixed_a or fixed_b:
+        side = int(fixed_a)
         shape, body = contact[row, c.SHAPE_A + side], contact[row, c.BODY_A + side]
-        at, _ = placed_pose(world, shape)
+        at, turn = placed_pose(world, shape)
         axis = spin_axis(world, shape, turn, minus(at, vector_at(floats(world, POSE), body, POSITION)))
     for k in range(3):
         raw[(r.SPIN_AXIS + k) * c.WIDTH] = axis[k]

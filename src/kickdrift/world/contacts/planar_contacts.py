@@ -29,6 +29,7 @@ def flatten_contact(raw: Any, plane: Vector) -> None:
     across = dot(plane, normal)
     if abs(across) <= _WITHIN:
         return
+    _put(raw, r.SPIN_AXIS, (0.0, 0.0, 0.0))  # the normal within the plane does not meet the axis
     within = minus(normal, times(across, plane))
     cosine = length(within)
     _keep_from_rolling(raw, r.AXIS_A, r.TURN_A, r.ON_A, 0, normal, plane)

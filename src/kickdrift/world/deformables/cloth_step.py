@@ -91,7 +91,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
     if search[0, TURN] == 0.0:
-        # Pairs that touch are held from the start of a step, although snapshots do not contain them.
+        # Snapshots do not contain pairs: they are sought at the start of each step, and are held from there on.
         if search[0, SEARCH_STATE] != VALID and not find_cloth_pairs(world, h, h):
             return
         _begin(world, h)
@@ -163,9 +163,10 @@ def _move(world: int, part: float, begins: bool, ends: bool, left: float) -> Non
 
 @compiled
 def _meet(world: int, turn: int, h: float, interval: float, part: float) -> bool:
-    """Do one section of the cloth-cloth contact of an interval, s, in its last part, s; False if there is no room for pairs.
+    """Do one section of the cloth-cloth contact of an interval, s; False if there is no room for pairs.
 
-    Section 1 goes back to the start of the interval, 2 applies impulses, 3 stops crossings and moves to its end.
+    Section 1 goes back to the start of the interval, 2 applies impulses, 3 stops crossings and moves to its end;
+    impulses act in its last part, s.
     """
     if turn == 1:
         _go_back(world, interval)

@@ -77,11 +77,11 @@ def meet(world: int, hit: Any, least: float) -> None:
         if not (hit[TIMES + k] - when) * hit[SPEED] <= near or (single and found > 0.0):
             continue
         point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
-        _, arm_a, arm_b, gap = meeting_arms(world, row, own, k, place_a, place_b)
+        arm_a, arm_b, gap = meeting_arms(world, row, own, k, normal, place_a, place_b)
         if gap > near:  # it has hit before, and has separated
             continue
-        put_vector(point, TURN_A, torque_arm(world, contact[row, c.SHAPE_A], place_a, arm_a, normal))
-        put_vector(point, TURN_B, torque_arm(world, contact[row, c.SHAPE_B], place_b, arm_b, normal))
+        put_vector(point, TURN_A, torque_arm(own, place_a, arm_a, normal))
+        put_vector(point, TURN_B, torque_arm(own, place_b, arm_b, normal))
         speed = separating_speed(world, a, b, normal, point)
         hit[APPROACH] = max(hit[APPROACH], -speed)
         if speed < -least:

@@ -2,8 +2,8 @@
 
 With normal n and arms r, the gap has the derivatives n . (v + w x r) and n . (w x (w x r) + w' x r). Newton's method of second
 order, with parabolas, marches along it by at most a fraction of a turn at a time, so that a corner that comes down and goes up
-again within a substep is not missed. The normal of two balls is the direction between them, which turns as they pass each
-other, so that balls that have stopped along it do not seem to approach along that of before.
+again within a substep is not missed. The normal of two balls or capsules is the direction between their cores, which turns as
+they pass each other, so that those that have stopped along it do not seem to approach along that of before.
 """
 
 import math

@@ -1,7 +1,8 @@
 """Normals and arms of contacts whose bodies have moved since the step began.
 
 The core of a ball is its centre, that of a capsule a segment. The normal of two such shapes is the direction between the
-nearest points of their cores, which turns as they pass each other, and their impulse has no torque about their axes.
+nearest points of their cores, which turns as they pass each other; their arms end on these cores, so that their impulse has no
+torque about the axes of capsules.
 """
 
 import math
@@ -25,7 +26,6 @@ from kickdrift.world.collision.shape_poses import pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impacts.impact_motion import Place, is_moved, place_of, vector_of
-from kickdrift.world.contacts.round_cores import spin_axis
 from kickdrift.world.layout import ANGULAR_VELOCITY, BEGIN, BODY_ROW, ORIENTATION, POSITION, SHAPE_KIND, VELOCITY
 from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shapes.closest_points import along, clamped, segments
@@ -82,28 +82,27 @@ def arms_between(own: Any, point: int, normal: Vector, a: Place, b: Place) -> tu
 
 @compiled
 def meeting_arms(
-    world: int, row: int, own: Any, point: int, a: Place, b: Place
-) -> tuple[Vector, Vector, Vector, float]:
-    """Return the normal, the arms of both bodies to a point of contact at their impact, and its gap.
+    world: int, row: int, own: Any, point: int, normal: Vector, a: Place, b: Place
+) -> tuple[Vector, Vector, float]:
+    """Return the arms of both bodies to a point of contact at their impact, and its gap.
 
     The places `a` and `b` are those of the bodies then.
     """
     contact = integers(world, CONTACT)
-    normal, _ = normal_between(world, row, own, a, b)
     arm_a, arm_b, between = arms_between(own, point, normal, a, b)
     gap, share = dot(normal, between), own[c.SHARE * c.WIDTH]
     if not _is_between_cores(own):
-        return normal, plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between)), gap
+        return plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between)), gap
     core_a, core_b = _core(world, contact[row, c.SHAPE_A], a), _core(world, contact[row, c.SHAPE_B], b)
     if own[c.COUNT * c.WIDTH] > 1.0 and _are_parallel(core_a[1], core_b[1]):
         # Both points slide along the axes only: any other slide would give the impulse a torque about these.
         slid = times(dot(core_a[1], between) / dot(core_a[1], core_a[1]), core_a[1])
-        return normal, plus(arm_a, times(share, slid)), minus(arm_b, times(1.0 - share, slid)), gap
+        return plus(arm_a, times(share, slid)), minus(arm_b, times(1.0 - share, slid)), gap
     first, second = _nearest(core_a, core_b)
     radii = c.ANCHORS + c.ANCHOR_SIZE * point + c.RADII
     arm_a = plus(minus(first, a[0]), times(own[radii * c.WIDTH], normal))
     arm_b = minus(minus(second, b[0]), times(own[(radii + 1) * c.WIDTH], normal))
-    return normal, arm_a, arm_b, gap
+    return arm_a, arm_b, gap
 
 
 @compiled
@@ -123,11 +122,10 @@ def _are_parallel(u: Vector, v: Vector) -> bool:
     return bool(sizes > 0.0 and dot(across, across) <= _PARALLEL**2 * sizes)
 
 
-@compiled
-def torque_arm(world: int, shape: int, place: Place, arm: Vector, normal: Vector) -> Vector:
-    """Return arm x normal, without its part about the axis of a solid of revolution: see `spin_axis`."""
-    turn, (at, q) = cross(arm, normal), _pose(world, shape, place)
-    axis = spin_axis(world, shape, q, minus(at, place[0]))
+@compiled(inline=True)
+def torque_arm(own: Any, place: Place, arm: Vector, normal: Vector) -> Vector:
+    """Return arm x normal of the body that moves, without its part about the axis of a solid of revolution, if there is one."""
+    turn, axis = cross(arm, normal), turned(place[1], vector_of(own, c.SPIN_AXIS))
     return minus(turn, times(dot(turn, axis), axis))
 
 

@@ -57,8 +57,8 @@ from kickdrift.world.tables import (
 
 _MANIFOLD = MANIFOLD.width
 _CORNER = 1e-6  # of the share of a corner: a point closer to it touches with the vertex there
-# Area at rest of covered triangles, of the square of the size up to which they are: they stretch to twice their length before
-# they exceed it.
+# Area at rest of covered triangles, of the square of the size up to which they are: unless they are slivers, they stretch to
+# twice their length before they exceed it.
 _SMALL = 0.25
 _LEVER = 0.05  # share of pinned corners from which on the others would have to move 20 times as far as the point
 _EDGE_ON = 0.1  # cosine of the angle between triangle and shape below which its corners touch first

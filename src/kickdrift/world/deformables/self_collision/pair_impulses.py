@@ -48,7 +48,7 @@ _SOFT = 0.25  # fraction of the violation that is corrected in an interval
 
 @compiled
 def resolve_pairs(world: int, interval: float, part: float, push: float) -> None:
-    """Apply impulses in the last part of an interval, s, that keep pairs from getting closer than their distance in it, s.
+    """Stop pairs that would come closer than their distance in an interval, s, by impulses that act in its last part, s.
 
     Triangles that cross are moved apart, at most with the speed `push`, m/s, without gaining velocity.
     """
@@ -160,7 +160,7 @@ def _lay(world: int, row: int) -> None:
 
 @compiled
 def _resolve(world: int, row: int, interval: float, part: float) -> None:
-    """Give the particles of a pair the impulse that stops their approach."""
+    """Give the particles of a pair the impulse that stops their approach; `hold_pairs` moves apart those that are too close."""
     particle, shift, numbers = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT), floats(world, CLOTH_PAIR_NUMBERS)
     at, weights = particles_of(world, row), _weights(numbers, row)
     v, shifted = mixed(weights, particle, at, PARTICLE_VELOCITY), mixed(weights, shift, at, 0)
