@@ -193,7 +193,7 @@ def test_a_step_is_halved_until_it_knows_what_it_meets(counts):
 
 
 def test_a_step_begins_with_parts_four_times_as_long_as_the_shortest_of_the_step_before(counts):
-    world, _ = gas(1, "boxes", 1000.0, 60.0)
+    world, _ = gas(1, "boxes", 1000.0, 60.0)  # one in six of such gases warns that a body was struck too often
     shortest, begun_in_parts = 0, 0
     for _ in range(60):
         counts["parts"] = []

@@ -1,4 +1,4 @@
-"""Spin of solids of revolution: no normal impulse has a torque about their axis, whatever they hit."""
+"""Spin of smooth balls, capsules, cylinders and cones: every normal of such a surface meets its axis."""
 
 import numpy as np
 import pytest

@@ -102,14 +102,8 @@ def _refresh_point(
     # One of the bodies is immovable where there is an axis; the change of its own arm has no effect.
     (ax, ay, az), fixed = axis, own[c.MASS_A * W + lane] == 0.0
     spin = (vx if fixed else ux) * ax + (vy if fixed else uy) * ay + (vz if fixed else uz) * az
-    ux, uy, uz, vx, vy, vz = (
-        ux - spin * ax,
-        uy - spin * ay,
-        uz - spin * az,
-        vx - spin * ax,
-        vy - spin * ay,
-        vz - spin * az,
-    )
+    ux, uy, uz = ux - spin * ax, uy - spin * ay, uz - spin * az
+    vx, vy, vz = vx - spin * ax, vy - spin * ay, vz - spin * az
     response = own[c.MASS_A * W + lane] + own[c.MASS_B * W + lane]
     response += response_to(s, INERTIA_A * W + lane, ux, uy, uz, ux, uy, uz)
     response += response_to(s, INERTIA_B * W + lane, vx, vy, vz, vx, vy, vz)
@@ -145,7 +139,8 @@ def turn_normals(own: Any, s: Any, unused: float, none: float, nothing: float, n
     """Turn the normals and tangents of the marked lanes of two balls to the direction between their centres.
 
     With the normal from the start of the step, frictionless balls that pass each other get spin. Where centres have passed each
-    other, the balls overlap, and the old normal tells where each came from.
+    other, the balls overlap, and the old normal tells where each came from. Accumulated impulses keep their
+    components along the new directions.
     """
     for lane in range(n):
         nx, ny, nz = vector(own, c.N, lane)

@@ -9,19 +9,7 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import (
-    Quaternion,
-    Vector,
-    cross,
-    dot,
-    exponential,
-    length,
-    minus,
-    plus,
-    product,
-    times,
-    turned,
-)
+from kickdrift.core.vectors import Vector, cross, dot, exponential, length, minus, plus, product, times, turned
 from kickdrift.world.collision.shape_poses import pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
@@ -51,8 +39,8 @@ _PARALLEL = 1e-7  # sine of the angle between two axes below which capsules touc
 def normal_between(world: int, row: int, own: Any, a: Place, b: Place) -> tuple[Vector, float]:
     """Return the normal of a contact at these places, and the distance over which it turns, m.
 
-    For two balls it turns over the distance of their centres, for two capsules only with their axes; for other shapes it is
-    the one found, and does not turn: the distance is infinite.
+    For two balls it turns over the distance of their centres. With a capsule the distance counts as infinite, which leaves the
+    turning out of the gap's second derivative only; the normal of other shapes is the one found, and does not turn.
     """
     normal = vector_of(own, c.N)
     if not _is_between_cores(own):
@@ -156,17 +144,11 @@ def _is_between_cores(own: Any) -> bool:
 
 
 @compiled
-def _pose(world: int, shape: int, place: Place) -> tuple[Vector, Quaternion]:
-    """Return the pose of a shape whose body is at a place."""
-    started = quaternion_at(floats(world, STARTED_POSE), integers(world, SHAPE)[shape, BODY_ROW], ORIENTATION)
-    at, q = pose_on_body(world, shape, place[0], product(place[1], started))
-    return at, q
-
-
-@compiled
 def _core(world: int, shape: int, place: Place) -> tuple[Vector, Vector]:
     """Return the middle of the core of a ball or a capsule whose body is at a place, and the vector from there to its end."""
-    shapes, (at, q) = integers(world, SHAPE), _pose(world, shape, place)
+    shapes = integers(world, SHAPE)
+    started = quaternion_at(floats(world, STARTED_POSE), shapes[shape, BODY_ROW], ORIENTATION)
+    at, q = pose_on_body(world, shape, place[0], product(place[1], started))
     if shapes[shape, SHAPE_KIND] != CAPSULE:
         return at, _NONE
     return at, turned(q, (0.0, 0.0, flat(world, GEOMETRY)[shapes[shape, BEGIN] + 1]))
