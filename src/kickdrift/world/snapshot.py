@@ -32,7 +32,7 @@ _OF_A_STEP = (
     tables.CONTACT_ROW, tables.ISLAND, tables.ISLAND_CONTACT, tables.ISLAND_JOINT, tables.NODE, tables.NEIGHBOUR,
     tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING, tables.LOST_POINT, tables.FORCE_NUMBERS,
     tables.BATCH, tables.STARTED_IMPULSE, tables.VIEW, tables.STARTED_PARTICLE, tables.CLOTH_CONTACT,
-    tables.CLOTH_CONTACT_NUMBERS, tables.CLOTH_NEAR, *OF_A_STEP,
+    tables.CLOTH_CONTACT_NUMBERS, tables.CONTACT_LANES, tables.CONTACT_LANE_PARTICLES, tables.CLOTH_NEAR, *OF_A_STEP,
 )  # fmt: skip
 TABLES: Mapping[str, Table] = MappingProxyType(
     {

@@ -118,11 +118,11 @@ FACE_AREA = column(FACE_NUMBERS, 1, "m^2")
 REST_LENGTH = column(FACE_NUMBERS, 1, "m")  # of a segment of a rope, a triangle whose second corner is the third, too
 
 # FACE_GROUP, GROUP_REST and GROUP_STRAIN, eight numbers of each
-GROUP_CORNERS = column(FACE_GROUP, 24)  # particles: the first corners, the second and the third ones
 RESTS = column(FACE_GROUP)  # row of GROUP_REST
-IN_ROWS = column(FACE_GROUP)  # 1 if the corners are consecutive rows
+IN_ROWS = column(FACE_GROUP)  # 1 if the corners are consecutive rows; then the first triangle is all that is read
 # field to which the forces on the first corners are added, on the second and the third ones
 ADDED_TO = column(FACE_GROUP, 3)
+GROUP_CORNERS = column(FACE_GROUP, 24)  # particles: three of each triangle
 column(GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
 column(GROUP_STRAIN, 24)  # strains along warp and weft, and shear, at the last kick
 
@@ -151,8 +151,7 @@ PIN_POSITION = column(PIN_NUMBERS, 3, "m")  # in the body
 TOUCHING_PARTICLE = column(CLOTH_CONTACT)
 TOUCHED_BODY = column(CLOTH_CONTACT)
 MOVES_BODY = column(CLOTH_CONTACT)  # 1 if the body receives the reaction
-# 1 if it and the next seven are of different particles each, move no body and carry nothing
-IN_LANES = column(CLOTH_CONTACT)
+IN_LANES = column(CLOTH_CONTACT)  # number of contacts from this one on that are resolved eight at a time
 # The other end of a segment that touches, the other corners of a triangle; otherwise the particle itself
 OTHER_PARTICLE = column(CLOTH_CONTACT)
 THIRD_PARTICLE = column(CLOTH_CONTACT)
@@ -162,7 +161,8 @@ CARRIED_BY = column(CLOTH_CONTACT, 3)  # rows of the contacts that carry the cor
 # CARRIES or IS_CARRIED of `kickdrift.world.deformables.body_contacts.load_path`, or 0
 ON_LOAD_PATH = column(CLOTH_CONTACT)
 
-# CLOTH_CONTACT_NUMBERS: `kickdrift.world.deformables.body_contacts.contact_solver_simd` reads the first eight columns
+# CLOTH_CONTACT_NUMBERS: of contacts in lanes CONTACT_LANES has the first eight columns, eight numbers each; the eight from row
+# `row` on are in its row `row // 8`
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
 CLOTH_OFFSET = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # the normal times the position at which the point touches
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)

@@ -67,7 +67,7 @@ def _group(tables: t.Tables, cloth: Integers) -> None:
     last = first + len(groups.corners)
     cloth[c.LAST_GROUP] = last
     rows = tables.resize(t.FACE_GROUP, last)[first:]
-    rows[:, c.GROUP_CORNERS : c.GROUP_CORNERS + 24] = groups.corners.reshape(-1, 24)
+    rows[:, c.GROUP_CORNERS : c.GROUP_CORNERS + 24] = groups.corners.transpose(0, 2, 1).reshape(-1, 24)
     rows[:, c.RESTS], rows[:, c.IN_ROWS] = rest + groups.of, groups.in_rows
     rows[:, c.ADDED_TO : c.ADDED_TO + 3] = np.where(groups.apart, c.FORCES_APART, c.FORCES)
     tables.resize(t.GROUP_REST, rest + len(groups.rests))[rest:] = groups.rests.reshape(-1, 40)

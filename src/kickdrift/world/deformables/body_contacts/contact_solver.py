@@ -38,7 +38,11 @@ from kickdrift.world.tables import (
     CLOTH_CONTACT_NUMBERS,
     CLOTH_NUMBERS,
     CLOTH_SEARCH,
+    CONTACT_LANE_PARTICLES,
+    CONTACT_LANES,
     PARTICLE,
+    flat,
+    flat_integers,
     floats,
     integers,
 )
@@ -60,7 +64,8 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         integers(world, CLOTH)[cloth, FIRST_CONTACT],
         integers(world, CLOTH)[cloth, LAST_CONTACT],
     )
-    numbers, particle = floats(world, CLOTH_CONTACT_NUMBERS), floats(world, PARTICLE)
+    touching, lanes = flat_integers(world, CONTACT_LANE_PARTICLES), flat(world, CONTACT_LANES)
+    particle = floats(world, PARTICLE)
     row, shared, advance = first, False, min(part, left)
     while row < last:  # on a load path contacts add to each other's impulses: all begin before any is resolved
         if contact[row, ON_LOAD_PATH] != 0:
@@ -69,9 +74,9 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         row = _after(contact, row)
     row = first
     while row < last:
-        if contact[row, IN_LANES] != 0:
-            resolve_lanes(contact, numbers, particle, row, part, push, advance)
-        else:
+        for k in range(row, row + contact[row, IN_LANES], WIDTH):
+            resolve_lanes(touching, lanes, particle, k // WIDTH, part, push, advance)
+        if contact[row, IN_LANES] == 0:
             shared = shared or contact[row, OTHER_PARTICLE] != contact[row, TOUCHING_PARTICLE]
             if contact[row, ON_LOAD_PATH] == 0:
                 _begin(world, row, part * push, left)
@@ -89,8 +94,9 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
 
 @compiled(inline=True)
 def _after(contact: Any, row: int) -> int:
-    """Return the row of the next contact, or of the next eight."""
-    return row + WIDTH if contact[row, IN_LANES] != 0 else row + 1
+    """Return the row of the next contact, or of the first after those in lanes."""
+    after: int = row + max(contact[row, IN_LANES], 1)
+    return after
 
 
 @compiled

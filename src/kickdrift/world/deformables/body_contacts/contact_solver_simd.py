@@ -1,6 +1,5 @@
 """Contacts of eight particles at once with shapes that they do not move: see `contact_solver`."""
 
-from collections.abc import Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -15,7 +14,6 @@ from kickdrift.world.deformables.layout import (
     CONTACT_FRICTION,
     GROUND_VELOCITY,
     PARTICLE_VELOCITY,
-    TOUCHING_PARTICLE,
 )
 from kickdrift.world.deformables.simd_vectors import (
     NUMBER,
@@ -24,35 +22,38 @@ from kickdrift.world.deformables.simd_vectors import (
     Lanes,
     begin_of,
     dot,
+    loaded,
     plus,
     same,
     vector_pointer,
 )
-from kickdrift.world.tables import CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS, PARTICLE
+from kickdrift.world.tables import CONTACT_LANE_PARTICLES, CONTACT_LANES, PARTICLE
 
 _TINY = 1e-300
 
 
 @intrinsic
 def resolve_lanes(
-    context: Any, contacts: Any, numbers: Any, particles: Any, row: Any, part: Any, push: Any, advance: Any
+    context: Any, touching: Any, lanes: Any, particles: Any, row: Any, part: Any, push: Any, advance: Any
 ) -> Any:
-    """Resolve eight contacts, from a row on, of different particles: mass does not matter where no body is moved."""
+    """Resolve the eight contacts in a row of lanes: mass does not matter where no body is moved."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        contacts, numbers, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
+        touching, lanes, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
         row, (part, push, advance) = values[3], (same(builder, value) for value in values[4:7])
-        places = [_row_of(builder, contacts, row, lane) for lane in range(WIDTH)]
-        number, own = (
-            _fields(builder, table, of) for table, of in ((numbers, _rows(builder, row)), (particles, places))
-        )
+        begin = builder.mul(row, WORD(CONTACT_LANES.width))
+        number = [loaded(builder, lanes, plus(builder, begin, WIDTH * k)) for k in range(WIDTH)]
+        places = [_row_of(builder, touching, row, lane) for lane in range(WIDTH)]
+        rows = [builder.load(vector_pointer(builder, particles, place), align=8) for place in places]
+        own = [Lanes(builder, field) for field in transposed(builder, rows)]
         zero, n = Lanes(builder, ir.Constant(VECTOR, None)), [number[CLOTH_NORMAL + k] for k in range(3)]
         ground = [number[GROUND_VELOCITY + k] for k in range(3)]
         v = [own[PARTICLE_VELOCITY + k] - ground[k] for k in range(3)]
         approach, gap = dot(n, v), dot(n, own[:3]) - number[CLOTH_OFFSET]
         out = _larger(_smaller(zero - gap, part * push), zero)
         wanted = zero - _larger(gap + out, zero) / part
-        _put_offsets(builder, numbers, row, number[CLOTH_OFFSET] + advance * dot(n, ground))
+        offset = number[CLOTH_OFFSET] + advance * dot(n, ground)
+        builder.store(offset.value, vector_pointer(builder, lanes, plus(builder, begin, WIDTH * CLOTH_OFFSET)), align=8)
         more = _larger(wanted - approach, zero)
         slip = [v[k] - approach * n[k] for k in range(3)]
         speed = dot(slip, slip).root()
@@ -67,31 +68,13 @@ def resolve_lanes(
                 builder.store(values_, vector_pointer(builder, particles, place), align=8)
         return context.get_dummy_value()
 
-    return types.none(contacts, numbers, particles, types.int64, *3 * [types.float64]), generate
+    return types.none(touching, lanes, particles, types.int64, *3 * [types.float64]), generate
 
 
-def _row_of(builder: Any, contacts: Any, row: Any, lane: int) -> Any:
+def _row_of(builder: Any, touching: Any, row: Any, lane: int) -> Any:
     """Return the index at which the particle of a contact begins in its table."""
-    at = builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT.width))
-    particle = builder.load(builder.gep(contacts, [plus(builder, at, TOUCHING_PARTICLE)]))
-    return builder.mul(particle, WORD(PARTICLE.width))
-
-
-def _rows(builder: Any, row: Any) -> list[Any]:
-    """Return the indices at which the numbers of eight contacts begin."""
-    return [builder.mul(plus(builder, row, lane), WORD(CLOTH_CONTACT_NUMBERS.width)) for lane in range(WIDTH)]
-
-
-def _fields(builder: Any, table: Any, places: Sequence[Any]) -> list[Lanes]:
-    """Return the first eight columns of eight rows as lanes."""
-    rows = [builder.load(vector_pointer(builder, table, place), align=8) for place in places]
-    return [Lanes(builder, field) for field in transposed(builder, rows)]
-
-
-def _put_offsets(builder: Any, numbers: Any, row: Any, offsets: Lanes) -> None:
-    for lane, place in enumerate(_rows(builder, row)):
-        offset = builder.extract_element(offsets.value, ir.IntType(32)(lane))
-        builder.store(offset, builder.gep(numbers, [plus(builder, place, CLOTH_OFFSET)]))
+    at = plus(builder, builder.mul(row, WORD(CONTACT_LANE_PARTICLES.width)), lane)
+    return builder.mul(builder.load(builder.gep(touching, [at])), WORD(PARTICLE.width))
 
 
 def _larger(a: Lanes, b: Lanes) -> Lanes:

@@ -11,8 +11,8 @@ from kickdrift.world.collision.broad_phase.bvh import Box
 from kickdrift.world.collision.queries.overlap_query import find_near, find_triangles
 from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.deformables.body_contacts.ball_contact import touch_of_ball
+from kickdrift.world.deformables.body_contacts.contact_lanes import fill_contact_lanes
 from kickdrift.world.deformables.body_contacts.contact_rows import (
     AT_FIRST,
     Pose,
@@ -30,17 +30,12 @@ from kickdrift.world.deformables.layout import (
     DIMENSION,
     FIRST_CONTACT,
     FIRST_PARTICLE,
-    IN_LANES,
     IS_ASLEEP,
     LAST_CONTACT,
     LAST_PARTICLE,
-    MOVES_BODY,
-    ON_LOAD_PATH,
-    OTHER_PARTICLE,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     ROPE,
-    TOUCHING_PARTICLE,
 )
 from kickdrift.world.layout import BODY_ROW, IS_SENSOR, MASK, RADIUS
 from kickdrift.world.shapes.record import HALF_SPACE, SURFACE
@@ -94,7 +89,8 @@ def find_contacts(world: int, h: float) -> None:
                 return
         cloths[cloth, LAST_CONTACT] = rows(world, CLOTH_CONTACT)
         find_load_paths(world, cloth, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
-        _group(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT])
+        if not fill_contact_lanes(world, cloths[cloth, FIRST_CONTACT], cloths[cloth, LAST_CONTACT]):
+            return
 
 
 @compiled
@@ -103,21 +99,6 @@ def _find_between(world: int, cloth: int, shape: int, h: float, after: int) -> b
     if integers(world, CLOTH)[cloth, DIMENSION] == ROPE:
         return bool(find_segments(world, cloth, shape, h, after))
     return bool(find_faces(world, cloth, shape, h))
-
-
-@compiled
-def _group(world: int, first: int, last: int) -> None:
-    """Mark the contacts, from one row to another, with which eight begin that can be resolved at once."""
-    contact = integers(world, CLOTH_CONTACT)
-    row = first
-    while row < last:
-        fits = row + WIDTH <= last
-        for k in range(row, row + WIDTH if fits else row):
-            fits = fits and contact[k, MOVES_BODY] == 0 and contact[k, ON_LOAD_PATH] == 0
-            fits = fits and contact[k, OTHER_PARTICLE] == contact[k, TOUCHING_PARTICLE]
-            fits = fits and (k == row or contact[k, TOUCHING_PARTICLE] > contact[k - 1, TOUCHING_PARTICLE])
-        contact[row, IN_LANES] = int(fits)
-        row += WIDTH if fits else 1
 
 
 @compiled

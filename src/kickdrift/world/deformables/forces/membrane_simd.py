@@ -66,9 +66,7 @@ def _places(builder: Any, corners: _Corners, field: Any, c: int) -> list[Any]:
     """Return where the numbers of corner c are in a field; of consecutive ones the first."""
     shift = builder.mul(corners.size, field)
     lanes = 1 if corners.in_rows else WIDTH
-    rows = [
-        builder.load(builder.gep(corners.rows, [plus(builder, corners.begin, WIDTH * c + k)])) for k in range(lanes)
-    ]
+    rows = [builder.load(builder.gep(corners.rows, [plus(builder, corners.begin, 3 * k + c)])) for k in range(lanes)]
     return [builder.add(shift, row) for row in rows]
 
 
@@ -103,7 +101,7 @@ def _add_membrane(in_rows: bool) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         fields, rows, rest, strain = (begin_of(context, builder, signature.args[k], values[k]) for k in (0, 2, 4, 6))
         size, begin, of, at = values[1], values[3], values[5], values[7]
-        corners = _Corners(fields, size, rows, begin, in_rows)
+        corners = _Corners(fields, size, rows, plus(builder, begin, GROUP_CORNERS), in_rows)
         x = [[_read(builder, corners, WORD(PLACES + k), c) for k in range(3)] for c in range(3)]
         p, q = ([x[c][k] - x[0][k] for k in range(3)] for c in (1, 2))
         on_b, on_c, strains = _membrane(
@@ -122,7 +120,7 @@ def _add_membrane(in_rows: bool) -> Any:
             [none - on_c[k] for k in range(3)],
         ]
         for c in range(3):
-            field = builder.load(builder.gep(rows, [plus(builder, begin, ADDED_TO - GROUP_CORNERS + c)]))
+            field = builder.load(builder.gep(rows, [plus(builder, begin, ADDED_TO + c)]))
             for k in range(3):
                 _add(builder, corners, plus(builder, field, k), c, pulls[c][k])
         return context.get_dummy_value()
