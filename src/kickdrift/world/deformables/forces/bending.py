@@ -24,7 +24,13 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, inverse_symmetric, length, minus, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts.layout import WIDTH
-from kickdrift.world.deformables.forces.bending_simd import are_pairs, couple_damped_lanes, couple_lanes, turn_lanes
+from kickdrift.world.deformables.forces.bending_simd import (
+    are_pairs,
+    couple_damped_lanes,
+    couple_lanes,
+    curvature,
+    turn_lanes,
+)
 from kickdrift.world.deformables.layout import (
     BENDING,
     BENDING_DAMPING,
@@ -132,10 +138,7 @@ def _couple_one(
     """Do the same for a single particle."""
     offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
-    x, p = _vector(fields, size, PLACES, i), (0.0, 0.0, 0.0)
-    for row in range(first, last):
-        j, w = i + offsets[row], weights[row]
-        p = plus(p, times(w, minus(_vector(fields, size, PLACES, j), x)))
+    x, p = _vector(fields, size, PLACES, i), curvature(floats(world, PARTICLE), i, offsets, weights, first, last)
     q = minus(p, _vector(fields, size, CURVES, i))
     for k in range(3):
         fields[(CURVES + k) * size + i] = p[k]

@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.deformables.layout import CURVES, FORCES, LANE_FIELDS, PLACES
-from kickdrift.world.deformables.simd_vectors import VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
+from kickdrift.world.deformables.simd_vectors import NUMBER, VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
 
 Place = Callable[[int], Any]  # of the numbers of eight particles in a field
 _AXES = range(3)
@@ -91,6 +91,36 @@ def _couple(damped: bool) -> Any:
 
 
 couple_lanes, couple_damped_lanes = _couple(False), _couple(True)
+
+
+@intrinsic
+def curvature(context: Any, table: Any, i: Any, offsets: Any, weights: Any, first: Any, last: Any) -> Any:
+    """Return the sum of a weight times the vector from particle i to each that is coupled to it, in a range of couplings.
+
+    The first four of the eight columns of a particle are one vector.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        table, offsets, weights = (begin_of(context, builder, signature.args[k], values[k]) for k in (0, 2, 3))
+        row, zeros = ir.VectorType(NUMBER, 4), ir.Constant(ir.VectorType(ir.IntType(32), 4), None)
+
+        def place_of(particle: Any) -> Any:
+            begin = builder.gep(table, [builder.mul(particle, WORD(WIDTH))])
+            return Lanes(builder, builder.load(builder.bitcast(begin, row.as_pointer()), align=8))
+
+        own, total = place_of(values[1]), cgutils.alloca_once_value(builder, ir.Constant(row, None))
+        with cgutils.for_range_slice(builder, values[4], values[5], WORD(1), intp=WORD) as (k, _):
+            way = place_of(builder.add(values[1], builder.load(builder.gep(offsets, [k])))) - own
+            weight, none = builder.load(builder.gep(weights, [k])), ir.Constant(row, ir.Undefined)
+            weight = builder.shuffle_vector(builder.insert_element(none, weight, ir.IntType(32)(0)), none, zeros)
+            builder.store((Lanes(builder, builder.load(total)) + Lanes(builder, weight) * way).value, total)
+        found = builder.load(total)
+        return context.make_tuple(
+            builder, signature.return_type, [builder.extract_element(found, ir.IntType(32)(k)) for k in _AXES]
+        )
+
+    word = types.int64
+    return types.UniTuple(types.float64, 3)(table, word, offsets, weights, word, word), generate
 
 
 @intrinsic
