@@ -273,17 +273,57 @@ def test_a_corner_that_sticks_through_comes_out():
     assert crossings(sheet, flap) == 0
 
 
-def test_snapshots_and_copies_of_a_heap_go_on_with_the_same_bits(tmp_path):
+@pytest.mark.parametrize("steps", [20, 50, 57, 240])  # falling, crumpling and at rest, where pairs are known for many steps
+def test_snapshots_and_copies_of_a_heap_go_on_with_the_same_bits(steps, tmp_path):
     world, strip = heap(True)
-    world.advance(STEP, 50)
-    snapshot, other, path = world.snapshot(), copy.copy(world), world.save(tmp_path / "heap.npz")
-    world.advance(STEP, 8)
+    world.advance(STEP, steps)
+    snapshot, other, path, new = world.snapshot(), copy.copy(world), world.save(tmp_path / "heap.npz"), kd.World()
+    world.advance(STEP, 30)
     end = strip.position.copy()
     world.restore(snapshot)
-    for again in (world, other, kd.load_world(path)):
+    new.restore(snapshot)
+    for again in (world, other, new, kd.load_world(path)):
         again.advance(STEP, 4)
-        again.advance(STEP, 4)
+        again.advance(STEP, 26)
         assert np.array_equal(again.cloths.handle(0).position, end)
+
+
+def test_pairs_of_a_sheet_at_rest_are_sought_once_in_many_steps():
+    world, _ = heap(True)
+    world.advance(STEP, 240)
+    ages = []
+    for _ in range(20):
+        world.step(STEP)
+        ages.append(world.tables.row(tables.CLOTH_SEARCH, 0)[layout.SEARCH_AGE])
+    assert max(ages) > 4.5 * STEP
+    assert sum(np.diff(ages) < 0.0) < 4
+
+
+def test_a_sheet_that_is_put_elsewhere_between_steps_meets_what_is_there():
+    world, strip = heap(True)
+    other = world.add_cloth_grid((0.5, 0.5), (9, 9), position=(2.0, 0.0, 0.0125), thickness=0.01)
+    world.advance(STEP, 240)
+    strip.position[:] += (2.0, 0.0, 0.02)
+    world.advance(STEP, 60)
+    assert crossings(strip, other) == 0
+    assert strip.position[:, 2].min() > 0.01
+    assert strip.position[:, 2].mean() > other.position[:, 2].mean()
+
+
+def test_sleeping_cloth_that_is_moved_after_restoring_wakes(tmp_path):
+    world = kd.World(sleeping=True)
+    world.add_plane()
+    world.add_cloth_grid((0.3, 0.3), (5, 5), position=(0, 0, 0.003), linear_damping=2.0)
+    world.advance(STEP, 120)
+    ends = []
+    for again in (world, kd.load_world(world.save(tmp_path / "world.npz"))):
+        sheet = again.cloths.handle(0)
+        assert not sheet.velocity.any()
+        sheet.position[:, 2] += 0.1
+        again.advance(STEP, 30)
+        ends.append(sheet.position.copy())
+    assert np.array_equal(*ends)
+    assert ends[0][:, 2].max() < 0.02
 
 
 def test_the_distance_of_pairs_is_the_least_of_many():

@@ -11,7 +11,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world import settings, tables
 from kickdrift.world.bodies.shape_rows import Placed
 from kickdrift.world.collision.broad_phase.search_state import shapes_new
-from kickdrift.world.deformables.particle_tables import OF_A_STEP
+from kickdrift.world.deformables.particle_tables import OF_A_STEP, keep_pairs
 from kickdrift.world.force_functions import Force
 from kickdrift.world.tables import JOINT, POSE, SETTINGS, STARTED_JOINTS, Table, Tables
 
@@ -31,7 +31,7 @@ _OF_A_STEP = (
     tables.STATIC_TREE, tables.TRIANGLE_TREE, tables.SEARCH, tables.MOVERS, tables.FIXTURES, tables.PLANES, tables.SOUGHT,
     tables.CONTACT_ROW, tables.ISLAND, tables.ISLAND_CONTACT, tables.ISLAND_JOINT, tables.NODE, tables.NEIGHBOUR,
     tables.BLOCK, tables.ADJACENCY, tables.IMPACT, tables.BOUNCING, tables.LOST_POINT, tables.FORCE_NUMBERS,
-    tables.BATCH, tables.STARTED_IMPULSE, tables.VIEW, tables.STARTED_PARTICLE, tables.CLOTH_CONTACT,
+    tables.BATCH, tables.STARTED_IMPULSE, tables.VIEW, tables.CLOTH_CONTACT,
     tables.CLOTH_CONTACT_NUMBERS, tables.CONTACT_LANES, tables.CONTACT_LANE_PARTICLES, tables.CLOTH_NEAR, *OF_A_STEP,
 )  # fmt: skip
 TABLES: Mapping[str, Table] = MappingProxyType(
@@ -191,3 +191,4 @@ def put_back(of: Tables, copies: Mapping[str, NDArray[Any]]) -> None:
         of.resize(table, of.count(POSE))
     of.resize(STARTED_JOINTS, of.count(JOINT))
     shapes_new(of)
+    keep_pairs(of)

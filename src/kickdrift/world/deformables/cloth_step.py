@@ -3,10 +3,10 @@
 The first and the last kick of a substep are halves, so that a cloth at rest has no velocity. Forces between particles conserve
 momentum and angular momentum to the last digit; contacts conserve angular momentum to first order.
 
-Cloth-cloth contact is searched for less often: several parts form an interval, in which particles move by no more than the
-thickness. Pairs that touch at its start are held in each part; at its end the others are resolved, and crossings are stopped on
-the straight lines from the positions at its start (Bridson, Fedkiw and Anderson, Robust treatment of collisions, contact and
-friction for cloth animation, SIGGRAPH 2002, section 4).
+Cloth-cloth contact is searched for less often: several parts form an interval, in which known pairs approach by no more than
+the thickness. Pairs that touch at its start are held in each part; at its end the others are resolved, and crossings are
+stopped on the straight lines from the positions at its start (Bridson, Fedkiw and Anderson, Robust treatment of collisions,
+contact and friction for cloth animation, SIGGRAPH 2002, section 4).
 """
 
 import math
@@ -15,13 +15,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.body_contacts.contact_solver import resolve_contacts
-from kickdrift.world.deformables.body_contacts.predicted_loads import (
-    begin_loads,
-    measure_loads,
-    note_loads,
-    roll_back_loads,
-    take_back_loads,
-)
+from kickdrift.world.deformables.body_contacts.predicted_loads import begin_loads, measure_loads, take_back_loads
 from kickdrift.world.deformables.forces.aerodynamics import add_wind
 from kickdrift.world.deformables.forces.bending import add_bending
 from kickdrift.world.deformables.forces.elasticity import add_elasticity, stiffening
@@ -32,7 +26,6 @@ from kickdrift.world.deformables.layout import (
     DIMENSION,
     FIRST_PARTICLE,
     INTERVAL,
-    INVALID,
     IS_ASLEEP,
     LAST_PARTICLE,
     LINEAR_DAMPING,
@@ -42,7 +35,6 @@ from kickdrift.world.deformables.layout import (
     SEARCH_AGE,
     SEARCH_STATE,
     SHARED_PARTS,
-    STIRRED,
     TURN,
     VALID,
     VOLUME,
@@ -51,27 +43,21 @@ from kickdrift.world.deformables.particle_fields import drift_particles, fill_la
 from kickdrift.world.deformables.pins import carry_pins, pull_bodies
 from kickdrift.world.deformables.self_collision.cloth_pairs import find_cloth_pairs, meets
 from kickdrift.world.deformables.self_collision.continuous_collision import stop_crossings
-from kickdrift.world.deformables.self_collision.pair_impulses import begin_interval, hold_pairs, resolve_pairs
-from kickdrift.world.deformables.self_collision.swept_bounds import find_strays, set_frame, travels
+from kickdrift.world.deformables.self_collision.pair_impulses import approach, begin_interval, hold_pairs, resolve_pairs
+from kickdrift.world.deformables.self_collision.swept_bounds import find_strays, set_frame
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.step.status import report_cloth
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_NUMBERS,
-    CLOTH_PAIR,
     CLOTH_SEARCH,
-    GROUP_STRAIN,
     INTERVAL_START,
     PARTICLE,
-    PARTICLE_LANES,
     PARTICLE_SHIFT,
     SETTINGS,
-    STARTED_PARTICLE,
-    Tables,
     floats,
     integers,
     rows,
-    set_rows,
 )
 
 _TURNS = 4  # resumable sections of a part
@@ -91,7 +77,6 @@ def move_cloths(t: float, h: float, world: int) -> None:
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
     if search[0, TURN] == 0.0:
-        # Snapshots do not contain pairs: they are sought at the start of each step, and are held from there on.
         if search[0, SEARCH_STATE] != VALID and not find_cloth_pairs(world, h, h):
             return
         _begin(world, h)
@@ -133,7 +118,7 @@ def _begin(world: int, h: float) -> None:
     for cloth in range(rows(world, CLOTH)):
         add_wind(world, cloth, h, h / parts)
     set_frame(world)
-    way = travels(world, h)
+    way = approach(world, h)
     search[0, SHARED_PARTS] = parts
     intervals = max(math.ceil(way / least), 1) if way < parts * least else parts  # `parts` for NaN
     search[0, INTERVAL] = math.ceil(parts / intervals)
@@ -271,29 +256,3 @@ def _check(world: int, cloth: int) -> None:
             total += abs(particle[i, k])
     if not total < math.inf:
         report_cloth(world, cloth)
-
-
-@compiled
-def begin_cloths(t: float, h: float, world: int) -> None:
-    """Save the state of cloths for a rollback, and note whether the user has moved them while they slept."""
-    search, own, moved = floats(world, CLOTH_SEARCH), integers(world, CLOTH), False
-    if not note_loads(world):
-        return
-    search[0, SEARCH_STATE], search[0, SEARCH_AGE], search[0, TURN] = INVALID, 0.0, 0.0
-    set_rows(world, CLOTH_PAIR, 0)
-    now, before = floats(world, PARTICLE), floats(world, STARTED_PARTICLE)
-    for i in range(rows(world, PARTICLE)):
-        for k in range(PARTICLE.width):
-            moved = moved or now[i, k] != before[i, k]
-            before[i, k] = now[i, k]
-    if moved and own[0, IS_ASLEEP] != 0:
-        own[0, IS_ASLEEP] = STIRRED
-
-
-def roll_back_cloths(tables: Tables) -> None:
-    """Restore the state of cloths at the start of the step."""
-    roll_back_loads(tables)
-    tables.array(PARTICLE)[:] = tables.array(STARTED_PARTICLE)
-    tables.array(PARTICLE_LANES)[:] = tables.array(PARTICLE_SHIFT)[:] = 0.0
-    # At the start of a substep they are multiplied by zero, which would give NaN if they were infinite.
-    tables.array(GROUP_STRAIN)[:] = 0.0

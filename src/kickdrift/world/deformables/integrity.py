@@ -3,6 +3,8 @@
 import numpy as np
 
 from kickdrift.world.deformables import layout as c
+from kickdrift.world.deformables.self_collision.proximity import VERTEX_FACE
+from kickdrift.world.deformables.self_collision.untangling import CROSSING
 from kickdrift.world.layout import BODY_KIND, REMOVED
 from kickdrift.world.table_checks import FileTables
 
@@ -27,6 +29,7 @@ def check_cloths(rows: FileTables) -> None:
         ("CURVED_FACE_NUMBERS", "CURVED_FACE"),
         ("TETRAHEDRON_NUMBERS", "TETRAHEDRON"),
         ("PARTICLE_REST", "PARTICLE"),
+        ("STARTED_PARTICLE", "PARTICLE"),
         ("PARTICLE_COUPLINGS", "PARTICLE"),
         ("PIN_NUMBERS", "PIN"),
     ):
@@ -58,6 +61,7 @@ def check_cloths(rows: FileTables) -> None:
     kinds = rows["BODY"][:, BODY_KIND]
     rows.within("PIN", c.PINNED_BODY, 0, len(kinds) - 1)
     rows.holds("PIN", c.PINNED_BODY, kinds[rows["PIN"][:, c.PINNED_BODY]] != REMOVED)
+    _check_pairs(rows)
     rows.holds("PARTICLE", c.PARTICLE_MASS, rows["PARTICLE"][:, c.PARTICLE_MASS] > 0.0)
     rows.holds("PARTICLE", c.PARTICLE_INVERSE_MASS, rows["PARTICLE"][:, c.PARTICLE_INVERSE_MASS] >= 0.0)
 
@@ -83,6 +87,18 @@ def _check_segments(rows: FileTables) -> None:
     ropes = cloths[cloths[:, c.DIMENSION] == c.ROPE]
     inner = ropes[:, c.LAST_PARTICLE] - ropes[:, c.FIRST_PARTICLE] - 1
     rows.holds("CLOTH", c.FIRST_FACE, ropes[:, c.LAST_FACE] - ropes[:, c.FIRST_FACE] == inner)
+
+
+def _check_pairs(rows: FileTables) -> None:
+    """Check the pairs of triangles that the next step continues with, if there are any."""
+    known = len(rows["CLOTH_SEARCH"])
+    rows.count("CLOTH_SEARCH", min(known, 1))
+    rows.count("PARTICLE_PATH", known * len(rows["PARTICLE"]))
+    rows.count("CLOTH_PAIR", known * len(rows["CLOTH_PAIR"]))
+    rows.count("CLOTH_PAIR_NUMBERS", len(rows["CLOTH_PAIR"]))
+    rows.within("CLOTH_PAIR", c.PAIR_PARTICLES, 0, len(rows["PARTICLE"]) - 1, 4)
+    rows.within("CLOTH_PAIR", c.PAIR_FACES, 0, len(rows["FACE"]) - 1, 2)
+    rows.within("CLOTH_PAIR", c.PAIR_KIND, VERTEX_FACE, CROSSING)
 
 
 def _check_parents(rows: FileTables) -> None:

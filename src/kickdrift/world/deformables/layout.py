@@ -11,6 +11,8 @@ from kickdrift.world.tables import (
     CLOTH_PAIR_NUMBERS,
     CLOTH_SEARCH,
     CLOTH_TREE_NODE,
+    CONTACT_LANE_PARTICLES,
+    CONTACT_LANES,
     COUPLING,
     COUPLING_NUMBERS,
     CURVED_FACE,
@@ -161,8 +163,7 @@ CARRIED_BY = column(CLOTH_CONTACT, 3)  # rows of the contacts that carry the cor
 # CARRIES or IS_CARRIED of `kickdrift.world.deformables.body_contacts.load_path`, or 0
 ON_LOAD_PATH = column(CLOTH_CONTACT)
 
-# CLOTH_CONTACT_NUMBERS: of contacts in lanes CONTACT_LANES has the first eight columns, eight numbers each; the eight from row
-# `row` on are in its row `row // 8`
+# CLOTH_CONTACT_NUMBERS
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
 CLOTH_OFFSET = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # the normal times the position at which the point touches
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
@@ -174,6 +175,10 @@ CONTACT_IMPULSE = column(CLOTH_CONTACT_NUMBERS, 4, "kg m/s")  # in this part: al
 PASSED_FRICTION = column(CLOTH_CONTACT_NUMBERS, 3, "kg m/s")  # on the bodies on both sides of the cloth alone
 CONTACT_RADIUS = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # of curvature at the point, otherwise zero
 CONTACT_AXIS = column(CLOTH_CONTACT_NUMBERS, 3)  # along which a round shape is straight; zero for a ball
+
+# CONTACT_LANES and CONTACT_LANE_PARTICLES, of the eight contacts from row `row` on in their row `row // 8`
+column(CONTACT_LANES, 64)  # the first eight columns of CLOTH_CONTACT_NUMBERS, eight numbers each
+column(CONTACT_LANE_PARTICLES, 8)
 
 # PARTICLE_SHIFT
 column(PARTICLE_SHIFT, 3, "m")  # displacement in the drift besides that of its velocity
@@ -245,11 +250,8 @@ TRAVELLED = column(
 FIRST_HELD = column(CLOTH_SEARCH)  # pair, or `NONE_HELD`
 CROSSINGS = column(CLOTH_SEARCH)  # number of pairs of triangles that cross
 
-INVALID, SOUGHT, VALID = (
-    0.0,
-    1.0,
-    2.0,
-)  # values of SEARCH_STATE: nothing is known; motion is predicted; pairs are known, too
+# Values of SEARCH_STATE: nothing is known; motion is predicted; pairs are known, too; they are, but boxes are not
+INVALID, SOUGHT, VALID, KEPT = 0.0, 1.0, 2.0, 3.0
 
 # CLOTH_PAIR
 PAIR_PARTICLES = column(CLOTH_PAIR, 4)  # vertex and corners, or ends of one edge and of the other

@@ -15,13 +15,13 @@ from kickdrift.world.deformables.self_collision.face_bvh import face_tree, stars
 Integers = NDArray[np.int64]
 
 _OF_PARTICLES = (
-    t.STARTED_PARTICLE, t.PARTICLE_SHIFT, t.INTERVAL_START, t.PARTICLE_PATH, t.PARTICLE_BOUNDS,
+    t.PARTICLE_SHIFT, t.INTERVAL_START, t.PARTICLE_BOUNDS,
     t.PARTICLE_WIND, t.ZONE, t.ZONE_NUMBERS,
 )  # fmt: skip
 _OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_STARS, t.FACE_TURN
 OF_A_STEP = (
-    *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR, t.CLOTH_PAIR,
-    t.CLOTH_PAIR_NUMBERS, t.CLOTH_SEARCH, t.PARTICLE_LANES, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
+    *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR,
+    t.PARTICLE_LANES, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
 )  # fmt: skip
 
 
@@ -34,10 +34,11 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
     for table in (t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN, t.PARTICLE_LANES):
         tables.resize(table, 0)
     tables.resize(t.PARTICLE_LANES, c.LANE_FIELDS * tables.count(t.PARTICLE))[:] = 0.0
-    tables.array(t.STARTED_PARTICLE)[:] = tables.array(t.PARTICLE)  # with which sleeping cloths are compared
     for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR):
         tables.resize(table, 0)
-    tables.resize(t.CLOTH_SEARCH, 1)[:] = 0.0
+    tables.resize(t.PARTICLE_PATH, tables.count(t.PARTICLE))
+    tables.resize(t.CLOTH_SEARCH, 1)
+    keep_pairs(tables)
     for cloth, mesh in zip(tables.array(t.CLOTH), meshes, strict=True):
         tree, first = face_tree(mesh), tables.count(t.CLOTH_TREE)
         last = first + len(tree.items)
@@ -72,3 +73,21 @@ def _group(tables: t.Tables, cloth: Integers) -> None:
     rows[:, c.ADDED_TO : c.ADDED_TO + 3] = np.where(groups.apart, c.FORCES_APART, c.FORCES)
     tables.resize(t.GROUP_REST, rest + len(groups.rests))[rest:] = groups.rests.reshape(-1, 40)
     tables.resize(t.GROUP_STRAIN, last)[first:] = 0.0
+
+
+def keep_pairs(tables: t.Tables) -> None:
+    """Have the next step continue with the pairs of triangles in the tables, if any are known, or else seek them."""
+    search = tables.array(t.CLOTH_SEARCH)
+    search[search[:, c.SEARCH_STATE] == c.VALID, c.SEARCH_STATE] = c.KEPT
+
+
+def forget_pairs(tables: t.Tables) -> None:
+    """Have the next step seek the pairs of triangles."""
+    tables.array(t.CLOTH_SEARCH)[:, c.SEARCH_STATE] = c.INVALID
+
+
+def forget_motion(tables: t.Tables) -> None:
+    """Forget where particles were and which pairs of triangles are known, after particles were added or removed."""
+    tables.put(t.STARTED_PARTICLE, tables.array(t.PARTICLE))
+    for table in (t.CLOTH_SEARCH, t.PARTICLE_PATH, t.CLOTH_PAIR, t.CLOTH_PAIR_NUMBERS):
+        tables.resize(table, 0)

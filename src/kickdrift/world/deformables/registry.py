@@ -19,7 +19,7 @@ from kickdrift.world.deformables.forces.bending_coupling_rows import put_couplin
 from kickdrift.world.deformables.forces.highest_frequency import put_membrane_rate
 from kickdrift.world.deformables.mesh import ClothMesh
 from kickdrift.world.deformables.mesh_tables import mesh_in, put_mesh
-from kickdrift.world.deformables.particle_tables import arrange
+from kickdrift.world.deformables.particle_tables import arrange, forget_motion, forget_pairs
 from kickdrift.world.deformables.pin_rows import add_pins, remove_pins
 from kickdrift.world.deformables.rope_handle import Rope
 from kickdrift.world.deformables.row_ranges import add_range, remove_range, rows_of
@@ -62,13 +62,11 @@ class Cloths:
         own, generation = tables.array(CLOTH)[row], self.n_made
         self.n_made += 1
         own[c.PARTS], own[c.CLOTH_GENERATION], own[c.MEETS_ITSELF] = 1, generation, int(self_collision)
-        self._arranged = -1
         if built.dimension == c.SHEET:
             put_membrane_rate(tables, row, built.mesh)
         self.names.give(row, name)
         self._couple(row)
-        self._bodies.wake()
-        self.wake()
+        self._changed()
         return kind(row, generation, self)
 
     @undivided
@@ -112,6 +110,7 @@ class Cloths:
     def _changed(self) -> None:
         """Wake everything, and request that all data that depend on the vertices are prepared again."""
         self._arranged, self._substep = -1, 0.0
+        forget_motion(self.tables)
         self._bodies.wake()
         self.wake()
         self.tables.altered = True
@@ -213,6 +212,7 @@ class Cloths:
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
         self.tables.altered = True  # the loop of the steps depends on whether it can tear
+        forget_pairs(self.tables)  # which have its friction
         self._bodies.wake()
         self.wake()
 

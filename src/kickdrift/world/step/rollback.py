@@ -8,7 +8,7 @@ from kickdrift.world.collision.broad_phase.search_state import shapes_changed
 from kickdrift.world.columns import column, quaternion_at
 from kickdrift.world.contacts.batch_division import roll_back_impulses
 from kickdrift.world.contacts.layout import BOUNCED, CONTACT_STATE
-from kickdrift.world.deformables.cloth_step import roll_back_cloths
+from kickdrift.world.deformables.cloth_rollback import roll_back_cloths
 from kickdrift.world.integration import follow_pose
 from kickdrift.world.layout import (
     AWAKE,

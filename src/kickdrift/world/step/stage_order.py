@@ -25,7 +25,8 @@ from kickdrift.world.contacts.residual import measure_residual
 from kickdrift.world.contacts.sequential_impulses import THREADED, relax, solve, store, warm_start
 from kickdrift.world.deformables.body_contacts.particle_contacts import find_cloth_contacts
 from kickdrift.world.deformables.body_contacts.predicted_loads import predict_later_loads, predict_loads
-from kickdrift.world.deformables.cloth_step import begin_cloths, move_cloths
+from kickdrift.world.deformables.cloth_rollback import begin_cloths
+from kickdrift.world.deformables.cloth_step import move_cloths
 from kickdrift.world.deformables.forces.aerodynamics import calm
 from kickdrift.world.deformables.sleeping import rest_cloths, wake_cloths
 from kickdrift.world.direct.block_gauss_seidel import relax_in_turn, solve_in_turn

@@ -1,8 +1,8 @@
 """Pairs of a vertex and a triangle, and of edges, of cloths that may touch.
 
 Pairs are found where the boxes of triangles overlap (`face_pairs`), each pair only from the triangles that own the vertex or
-the edges. They remain valid as long as particles follow their predicted paths, at most to the end of the step, so that steps
-after a snapshot have the same bits. Until then only pairs of triangles with a corner that has left its path are sought again.
+the edges. They remain valid as long as particles follow their predicted paths, at most for some steps; snapshots contain them.
+Until then only pairs of triangles with a corner that has left its path are sought again.
 """
 
 import math
@@ -34,6 +34,7 @@ from kickdrift.world.deformables.layout import (
 )
 from kickdrift.world.deformables.self_collision.face_normals import is_flat
 from kickdrift.world.deformables.self_collision.face_pairs import overlap, pair_faces
+from kickdrift.world.deformables.self_collision.pair_rows import set_pairs
 from kickdrift.world.deformables.self_collision.swept_bounds import (
     find_strays,
     has_strayed,
@@ -57,10 +58,10 @@ from kickdrift.world.tables import (
     floats,
     integers,
     rows,
-    set_rows,
 )
 
 _MOST_STRAYS = 0.5  # of all particles: if more have left their paths, the motion of all is predicted anew
+_LONGEST, _REACH = 64.0, 2.5  # longest time of a search in substeps, and way in it in skins
 _FASTEST = 1e6  # m/s, root mean square: faster cloths are about to be lost, and everything would be pairs
 _STACK = 512  # pairs of nodes: three for each level of two trees
 _NUMBERS = 2 * _STACK
@@ -70,8 +71,8 @@ _NUMBERS = 2 * _STACK
 def find_cloth_pairs(world: int, h: float, part: float) -> bool:
     """Find the pairs that may touch in a part of a substep, s; False if there is no room for them.
 
-    Known pairs remain valid as long as particles follow their predicted paths, at most for the time 4 h, s. A pair counts as
-    that of the two triangles from which it was found, since other triangles may have left it out for their inclination.
+    Known pairs remain valid as long as particles follow their predicted paths, up to the horizon. A pair counts as that of the
+    two triangles from which it was found, since other triangles may have left it out for their inclination.
     """
     search, own = floats(world, CLOTH_SEARCH), integers(world, CLOTH)
     if not meets(world):
@@ -83,7 +84,7 @@ def find_cloth_pairs(world: int, h: float, part: float) -> bool:
         if strays > _MOST_STRAYS * rows(world, PARTICLE):
             speed = set_frame(world)
             if not speed < _FASTEST:
-                set_rows(world, CLOTH_PAIR, 0)
+                set_pairs(world, 0)
                 search[0, SEARCH_STATE] = INVALID
                 return True
             start_search(world, _horizon(world, h, part, speed))
@@ -117,7 +118,7 @@ def _drop_pairs(world: int) -> None:
             for k in range(CLOTH_PAIR_NUMBERS.width):
                 numbers[count, k] = numbers[row, k]
         count += 1
-    set_rows(world, CLOTH_PAIR, count)
+    set_pairs(world, count)
 
 
 @compiled
@@ -129,16 +130,11 @@ def meets(world: int) -> bool:
 
 @compiled
 def _horizon(world: int, h: float, part: float, speed: float) -> float:
-    """Return the time for which pairs are sought, s: long for slow cloths, short for fast ones, which would form many pairs.
-
-    Searches divide the time 4 h, a step of four substeps, into equal intervals: a last one that is short would cost as much.
-    """
+    """Return the time for which pairs are sought, s: long for slow cloths, short for fast ones, which would form many pairs."""
     numbers, skin = floats(world, CLOTH_NUMBERS), math.inf
     for cloth in range(rows(world, CLOTH)):
         skin = min(skin, numbers[cloth, SKIN])
-    longest = 4.0 * h
-    searches = max(math.floor(0.5 * longest * speed / skin + 0.5), 1)
-    return max(longest / searches, part)
+    return max(min(_LONGEST * h, _REACH * skin / speed if speed > 0.0 else math.inf), part)
 
 
 @compiled

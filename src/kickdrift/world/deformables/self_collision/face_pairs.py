@@ -25,11 +25,11 @@ from kickdrift.world.deformables.layout import (
 )
 from kickdrift.world.deformables.self_collision.face_normals import is_flat_around, least_cosine
 from kickdrift.world.deformables.self_collision.pair_culling import are_apart, nearing
+from kickdrift.world.deformables.self_collision.pair_rows import NO_ROOM, add_pair
 from kickdrift.world.deformables.self_collision.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.deformables.self_collision.swept_bounds import predicted
 from kickdrift.world.deformables.self_collision.untangling import note_crossing
 from kickdrift.world.material_mixing import mixed_friction
-from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
     CLOTH_NUMBERS,
     CLOTH_PAIR,
@@ -42,9 +42,6 @@ from kickdrift.world.tables import (
     PARTICLE_REST,
     floats,
     integers,
-    room,
-    rows,
-    set_rows,
 )
 
 _FOLDED = 0.0  # cosine between the normals of triangles with a common edge, above which they cannot touch
@@ -124,11 +121,9 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners, f: int, g: 
         kept = min(kept, _CLOSE * _distance(floats(world, PARTICLE_REST), kind, at))
         if apart > kept + reach:
             return True
-    row = rows(world, CLOTH_PAIR)
-    if row >= min(room(world, CLOTH_PAIR), room(world, CLOTH_PAIR_NUMBERS)):
-        ask_for_room(world, CLOTH_PAIR, 2 * row + 1024)
+    row = add_pair(world)
+    if row == NO_ROOM:
         return False
-    set_rows(world, CLOTH_PAIR, row + 1)
     pair, own = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
     for k in range(4):
         pair[row, PAIR_PARTICLES + k] = at[k]

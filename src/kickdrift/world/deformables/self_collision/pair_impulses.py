@@ -25,7 +25,15 @@ from kickdrift.world.deformables.layout import (
     PARTICLE_VELOCITY,
     TRAVELLED,
 )
-from kickdrift.world.deformables.self_collision.proximity import EDGE_EDGE, Corners, Weights, mixed, nearest
+from kickdrift.world.deformables.self_collision.proximity import (
+    EDGE_EDGE,
+    Corners,
+    Weights,
+    closing,
+    less_mean,
+    mixed,
+    nearest,
+)
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING, untangle
 from kickdrift.world.tables import (
@@ -68,6 +76,24 @@ def resolve_pairs(world: int, interval: float, part: float, push: float) -> None
             numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
         if numbers[row, PAIR_GIVES] > 0.0:
             _resolve(world, row, interval, part)
+
+
+@compiled
+def approach(world: int, h: float) -> float:
+    """Bound the approach of the known pairs in a time h, s, with the present velocities, m."""
+    pair, particle, most = integers(world, CLOTH_PAIR), floats(world, PARTICLE), 0.0
+    for row in range(rows(world, CLOTH_PAIR)):
+        if pair[row, PAIR_KIND] == CROSSING:
+            continue
+        p, a, b, c = particles_of(world, row)
+        ways = less_mean(
+            times(h, vector_at(particle, p, PARTICLE_VELOCITY)),
+            times(h, vector_at(particle, a, PARTICLE_VELOCITY)),
+            times(h, vector_at(particle, b, PARTICLE_VELOCITY)),
+            times(h, vector_at(particle, c, PARTICLE_VELOCITY)),
+        )
+        most = max(most, closing(pair[row, PAIR_KIND], ways))
+    return most
 
 
 @compiled

@@ -139,15 +139,22 @@ def start_search(world: int, h: float) -> None:
 @compiled
 def sweep(world: int, part: float) -> None:
     """Predict the motion of stray particles up to the horizon, and update the boxes of particles, triangles and trees."""
-    own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
+    numbers = floats(world, CLOTH_NUMBERS)
     for cloth in range(rows(world, CLOTH)):
         _sweep_particles(world, cloth, part, numbers[cloth, CLOTH_RADIUS] + numbers[cloth, SKIN])
-        for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
-            if has_strayed(world, f):
-                _enclose(world, f)
-                _enclose_normal(world, f)
-                forget_star(world, f)
-        _fit_strays(world, own[cloth, FIRST_NODE], own[cloth, LAST_NODE])
+        _enclose_strays(world, cloth)
+
+
+@compiled
+def _enclose_strays(world: int, cloth: int) -> None:
+    """Update the boxes of the triangles of a cloth with stray corners, and of its trees."""
+    own = integers(world, CLOTH)
+    for f in range(own[cloth, FIRST_FACE], own[cloth, LAST_FACE]):
+        if has_strayed(world, f):
+            _enclose(world, f)
+            _enclose_normal(world, f)
+            forget_star(world, f)
+    _fit_strays(world, own[cloth, FIRST_NODE], own[cloth, LAST_NODE])
 
 
 @compiled
@@ -185,22 +192,42 @@ def _sweep_particles(world: int, cloth: int, part: float, around: float) -> None
 
     The predicted velocity is the mean since the last prediction, including the velocities and shifts of this part, s.
     """
-    own, particle, bounds = integers(world, CLOTH), floats(world, PARTICLE), floats(world, PARTICLE_BOUNDS)
-    path, shift, search = floats(world, PARTICLE_PATH), floats(world, PARTICLE_SHIFT), floats(world, CLOTH_SEARCH)
-    zone, age = integers(world, ZONE), search[0, SEARCH_AGE]
-    left = search[0, SEARCH_HORIZON] - age
+    own, particle, age = integers(world, CLOTH), floats(world, PARTICLE), floats(world, CLOTH_SEARCH)[0, SEARCH_AGE]
+    path, shift, zone = floats(world, PARTICLE_PATH), floats(world, PARTICLE_SHIFT), integers(world, ZONE)
     for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
         if zone[i, IS_STRAY] == 0:
             continue
         since = age - path[i, PREDICTED_AT]
         path[i, PREDICTED_AT] = age
         for k in range(3):
-            x, drift = particle[i, k], search[0, BOXES_VELOCITY + k]
+            x = particle[i, k]
             way = part * particle[i, PARTICLE_VELOCITY + k] + shift[i, k]
             v = (way + x - path[i, k]) / (part + since) if since > 0.0 else way / part
             path[i, k], path[i, PREDICTED_VELOCITY + k] = x, v
-            way, x = left * (v - drift), x - age * drift
-            bounds[i, k], bounds[i, 3 + k] = x + min(way, 0.0) - around, x + max(way, 0.0) + around
+        _enclose_path(world, i, around)
+
+
+@compiled(inline=True)
+def _enclose_path(world: int, i: int, around: float) -> None:
+    """Write the box of the predicted motion of a particle, enlarged by `around`, m."""
+    bounds, path, search = floats(world, PARTICLE_BOUNDS), floats(world, PARTICLE_PATH), floats(world, CLOTH_SEARCH)
+    age, left = path[i, PREDICTED_AT], search[0, SEARCH_HORIZON] - path[i, PREDICTED_AT]
+    for k in range(3):
+        drift = search[0, BOXES_VELOCITY + k]
+        way, x = left * (path[i, PREDICTED_VELOCITY + k] - drift), path[i, k] - age * drift
+        bounds[i, k], bounds[i, 3 + k] = x + min(way, 0.0) - around, x + max(way, 0.0) + around
+
+
+@compiled
+def restore_boxes(world: int) -> None:
+    """Update the boxes of all particles, triangles and trees, given the predicted motion of a snapshot."""
+    own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
+    _all_stray(world)
+    for cloth in range(rows(world, CLOTH)):
+        for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
+            _enclose_path(world, i, numbers[cloth, CLOTH_RADIUS] + numbers[cloth, SKIN])
+        _enclose_strays(world, cloth)
+    floats(world, CLOTH_SEARCH)[0, SEARCH_STATE] = VALID
 
 
 @compiled(inline=True)
@@ -222,12 +249,14 @@ def _enclose(world: int, f: int) -> None:
 
 @compiled
 def _enclose_normal(world: int, f: int) -> None:
-    """Write the unit normal of a triangle, at present and predicted for the horizon, and a box around both.
+    """Write the unit normal of a triangle, at its last prediction and for the horizon, and a box around both.
 
     The normal of a squeezed triangle is undetermined, since it may turn over in its plane.
     """
-    search = floats(world, CLOTH_SEARCH)
-    now, then = _normal(world, f, search[0, SEARCH_AGE]), _normal(world, f, search[0, SEARCH_HORIZON])
+    face, path = integers(world, FACE), floats(world, PARTICLE_PATH)
+    a, b, c = face[f, CORNERS], face[f, CORNERS + 1], face[f, CORNERS + 2]
+    age = max(path[a, PREDICTED_AT], path[b, PREDICTED_AT], path[c, PREDICTED_AT])
+    now, then = _normal(world, f, age), _normal(world, f, floats(world, CLOTH_SEARCH)[0, SEARCH_HORIZON])
     now_size, then_size = math.sqrt(dot(now, now)), math.sqrt(dot(then, then))
     known = min(now_size, then_size) > _SQUEEZED * 2.0 * floats(world, FACE_NUMBERS)[f, FACE_AREA]
     box, turn = floats(world, FACE_NORMALS), floats(world, FACE_TURN)

@@ -19,22 +19,9 @@ from kickdrift.world.deformables.layout import (
     PAIR_KIND,
     PARTICLE_INVERSE_MASS,
 )
+from kickdrift.world.deformables.self_collision.pair_rows import NO_ROOM, add_pair
 from kickdrift.world.deformables.self_collision.proximity import barycentric
-from kickdrift.world.step.status import ask_for_room
-from kickdrift.world.tables import (
-    CLOTH_PAIR,
-    CLOTH_PAIR_NUMBERS,
-    CLOTH_SEARCH,
-    FACE,
-    PARTICLE,
-    PARTICLE_SHIFT,
-    ZONE,
-    floats,
-    integers,
-    room,
-    rows,
-    set_rows,
-)
+from kickdrift.world.tables import CLOTH_PAIR, CLOTH_SEARCH, FACE, PARTICLE, PARTICLE_SHIFT, ZONE, floats, integers
 
 CROSSING = 2  # kind of a pair of triangles
 # Of the speed at which triangles are pushed apart: for each edge, and for all crossings of a particle together, so that a
@@ -51,11 +38,9 @@ def note_crossing(world: int, f: int, g: int) -> bool:
     """Add a row for two triangles, if they cross; False if there is no room."""
     if not _cross(world, f, g):
         return True
-    row = rows(world, CLOTH_PAIR)
-    if row >= min(room(world, CLOTH_PAIR), room(world, CLOTH_PAIR_NUMBERS)):
-        ask_for_room(world, CLOTH_PAIR, 2 * row + 1024)
+    row = add_pair(world)
+    if row == NO_ROOM:
         return False
-    set_rows(world, CLOTH_PAIR, row + 1)
     pair = integers(world, CLOTH_PAIR)
     pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1], pair[row, PAIR_KIND] = f, g, CROSSING
     tangle(world, f, g)
