@@ -273,7 +273,9 @@ def test_a_corner_that_sticks_through_comes_out():
     assert crossings(sheet, flap) == 0
 
 
-@pytest.mark.parametrize("steps", [20, 50, 57, 240])  # falling, crumpling and at rest, where pairs are known for many steps
+@pytest.mark.parametrize(
+    "steps", [20, 50, 57, 240]
+)  # falling, crumpling and at rest, where pairs are known for many steps
 def test_snapshots_and_copies_of_a_heap_go_on_with_the_same_bits(steps, tmp_path):
     world, strip = heap(True)
     world.advance(STEP, steps)
