@@ -54,7 +54,7 @@ def test_air_takes_energy_of_the_motion_through_it_in_steps_however_long(drag, l
     for _ in range(30):
         world.step(STEP)
         relative = 0.5 * cloth.mass @ ((cloth.velocity - wind) ** 2).sum(axis=1)
-        assert relative <= before * (1.0 + 1e-12)
+        assert relative <= before * (1.0 + 1e-12) + 1e-28  # J: rounding errors of velocities
         assert 0.0 <= cloth.mass @ cloth.velocity[:, 0] <= 80.0 * cloth.mass.sum()
         before = relative
     if drag == 1e3 and lift == 0.0:

@@ -13,7 +13,6 @@ from kickdrift.world.deformables.layout import (
     FIRST_FACE,
     LAST_FACE,
     LIFT,
-    PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     WIND,
 )
@@ -42,10 +41,10 @@ def calm(t: float, h: float, world: int) -> None:
 
 @compiled
 def add_wind(world: int, cloth: int, h: float, part: float) -> None:
-    """Apply the impulses of the air in a substep h to the particles of a cloth.
+    """Add the forces of the air on the particles of a cloth, which in the first part, s, give the impulse of a substep h.
 
-    Pinned particles get a force instead, with the same impulse in the first part, s. With the area A, the normal n and the
-    relative wind s d, of speed s, of a triangle, drag is rho C_d A s^2 |n . d| d / 2 and lift
+    Velocities change only afterwards, so that no triangle feels the impulses of others before it. With the area A, the normal n
+    and the relative wind s d, of speed s, of a triangle, drag is rho C_d A s^2 |n . d| d / 2 and lift
     rho C_l A s^2 (n . d) (n - (n . d) d) / 2. In a substep drag takes at most the relative wind of a triangle, so it never
     reverses it, and drag and lift together do not increase it, since lift only turns it.
     """
@@ -77,9 +76,5 @@ def add_wind(world: int, cloth: int, h: float, part: float) -> None:
         keep = min(mass * speed / max(math.sqrt(dot(left, left)), 1e-300), 1.0)
         impulse = minus(times(mass * speed, d), times(keep, left))
         for corner in range(3):
-            i = face[f, CORNERS + corner]
-            inverse_mass = particle[i, PARTICLE_INVERSE_MASS]
             for k in range(3):
-                particle[i, PARTICLE_VELOCITY + k] += inverse_mass * impulse[k] / 3.0
-                if inverse_mass == 0.0:
-                    add_force(world, i, k, impulse[k] / (3.0 * part))
+                add_force(world, face[f, CORNERS + corner], k, impulse[k] / (3.0 * part))
