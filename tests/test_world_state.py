@@ -27,6 +27,7 @@ from kickdrift.scenes.worlds import newtons_cradle, pyramid
 from kickdrift.world import settings as settings_
 from kickdrift.world.bodies.part import Part
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.deformables.layout import PAIR_FACES, PAIR_KIND, PAIR_PARTICLES
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_KIND, BODY_ROW, DYNAMIC, SHAPE_KIND
 from kickdrift.world.shapes.box import Box
@@ -484,6 +485,29 @@ def test_no_table_of_whole_numbers_is_trusted(name, tmp_path):
     if empty:
         _rewritten(path, _put(1, f"table {name}", rows))
     with pytest.raises(FileFormatError, match="is not a kickdrift world"):
+        kd.load_world(path)
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [(PAIR_PARTICLES + 3, 50), (PAIR_PARTICLES, -1), (PAIR_FACES + 1, 64), (PAIR_KIND, 3), (PAIR_KIND, -1)],
+)
+def test_pairs_of_cloths_in_a_file_are_checked(column, value, tmp_path):
+    world = kd.World(gravity=(0, 0, 0))
+    for k in range(2):
+        world.add_cloth_grid((0.5, 0.5), (5, 5), position=(0, 0, 0.008 * k), thickness=0.01)
+    world.step(0.01)
+    path = world.save(tmp_path / "world.npz")
+    kd.load_world(path)
+
+    def damage(_header, arrays):
+        arrays["table CLOTH_PAIR"][3, column] = value
+
+    _rewritten(path, damage)
+    with pytest.raises(FileFormatError, match=f"table CLOTH_PAIR has {value} in column"):
+        kd.load_world(path)
+    _rewritten(path, lambda _header, arrays: arrays.update({"table CLOTH_SEARCH": np.zeros((0, 16))}))
+    with pytest.raises(FileFormatError, match="table PARTICLE_PATH has 50 rows"):
         kd.load_world(path)
 
 

@@ -130,6 +130,8 @@ CLOTH_SEARCH = Table(94, 16)  # one row
 INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97, 7), Table(98, 6), Table(102, 3)
 FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 32, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each
 TETRAHEDRON, TETRAHEDRON_NUMBERS = Table(105, 4, whole=True), Table(106, 10)  # of a soft body
+STARTED_SEARCH, STARTED_PATH = Table(112, CLOTH_SEARCH.width), Table(113, PARTICLE_PATH.width)
+STARTED_PAIR, STARTED_PAIR_NUMBERS = Table(114, CLOTH_PAIR.width, whole=True), Table(115, CLOTH_PAIR_NUMBERS.width)
 CONTACT_LANES, CONTACT_LANE_PARTICLES = Table(110, 64), Table(111, 8, whole=True)  # eight contacts each
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
@@ -206,7 +208,7 @@ def flat_integers(world: int, table: Table) -> Any:
 # Tables that are given at least as much room as another one
 _COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}
 _COMPANIONS |= {CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,), CLOTH_PAIR: (CLOTH_PAIR_NUMBERS,)}
-_COMPANIONS |= {CONTACT_LANES: (CONTACT_LANE_PARTICLES,)}
+_COMPANIONS |= {CONTACT_LANES: (CONTACT_LANE_PARTICLES,), STARTED_PAIR: (STARTED_PAIR_NUMBERS,)}
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
 
 

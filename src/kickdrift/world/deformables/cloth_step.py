@@ -33,10 +33,8 @@ from kickdrift.world.deformables.layout import (
     PARTS,
     ROPE,
     SEARCH_AGE,
-    SEARCH_STATE,
     SHARED_PARTS,
     TURN,
-    VALID,
     VOLUME,
 )
 from kickdrift.world.deformables.particle_fields import drift_particles, fill_lanes, kick_by_forces
@@ -77,7 +75,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
     if search[0, TURN] == 0.0:
-        if search[0, SEARCH_STATE] != VALID and not find_cloth_pairs(world, h, h):
+        if not find_cloth_pairs(world, h, h):
             return
         _begin(world, h)
     parts, each = int(search[0, SHARED_PARTS]), int(search[0, INTERVAL])
@@ -109,7 +107,7 @@ def move_cloths(t: float, h: float, world: int) -> None:
 
 @compiled
 def _begin(world: int, h: float) -> None:
-    """Apply the wind, and choose the number of parts of the substep, and that of the parts of an interval."""
+    """Add the forces of the wind, and choose the number of parts of the substep, and that of the parts of an interval."""
     search, parts, least = floats(world, CLOTH_SEARCH), 1, math.inf
     begin_loads(world, h)
     for cloth in range(rows(world, CLOTH)):
@@ -120,7 +118,7 @@ def _begin(world: int, h: float) -> None:
     set_frame(world)
     way = approach(world, h)
     search[0, SHARED_PARTS] = parts
-    intervals = max(math.ceil(way / least), 1) if way < parts * least else parts  # `parts` for NaN
+    intervals = max(math.ceil(way / least), 1) if way < parts * least else parts
     search[0, INTERVAL] = math.ceil(parts / intervals)
     _note_start(world)
 

@@ -91,10 +91,11 @@ def _check_segments(rows: FileTables) -> None:
 
 def _check_pairs(rows: FileTables) -> None:
     """Check the pairs of triangles that the next step continues with, if there are any."""
-    known = len(rows["CLOTH_SEARCH"])
-    rows.count("CLOTH_SEARCH", min(known, 1))
-    rows.count("PARTICLE_PATH", known * len(rows["PARTICLE"]))
-    rows.count("CLOTH_PAIR", known * len(rows["CLOTH_PAIR"]))
+    known = len(rows["CLOTH_SEARCH"]) > 0
+    rows.count("CLOTH_SEARCH", int(known))
+    rows.count("PARTICLE_PATH", len(rows["PARTICLE"]) if known else 0)
+    if not known:
+        rows.count("CLOTH_PAIR", 0)
     rows.count("CLOTH_PAIR_NUMBERS", len(rows["CLOTH_PAIR"]))
     rows.within("CLOTH_PAIR", c.PAIR_PARTICLES, 0, len(rows["PARTICLE"]) - 1, 4)
     rows.within("CLOTH_PAIR", c.PAIR_FACES, 0, len(rows["FACE"]) - 1, 2)

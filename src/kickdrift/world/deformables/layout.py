@@ -163,9 +163,10 @@ CARRIED_BY = column(CLOTH_CONTACT, 3)  # rows of the contacts that carry the cor
 # CARRIES or IS_CARRIED of `kickdrift.world.deformables.body_contacts.load_path`, or 0
 ON_LOAD_PATH = column(CLOTH_CONTACT)
 
-# CLOTH_CONTACT_NUMBERS
+# CLOTH_CONTACT_NUMBERS: the first eight columns are those of CONTACT_LANES
 CLOTH_NORMAL = column(CLOTH_CONTACT_NUMBERS, 3)  # from the shape to the particle
-CLOTH_OFFSET = column(CLOTH_CONTACT_NUMBERS, 1, "m")  # the normal times the position at which the point touches
+# The normal times the position at which the point touches; of contacts in lanes, when they were found
+CLOTH_OFFSET = column(CLOTH_CONTACT_NUMBERS, 1, "m")
 CONTACT_FRICTION = column(CLOTH_CONTACT_NUMBERS)
 # Surface velocity of the shape; relative to its body if MOVES_BODY
 GROUND_VELOCITY = column(CLOTH_CONTACT_NUMBERS, 3, "m/s")
@@ -250,8 +251,11 @@ TRAVELLED = column(
 FIRST_HELD = column(CLOTH_SEARCH)  # pair, or `NONE_HELD`
 CROSSINGS = column(CLOTH_SEARCH)  # number of pairs of triangles that cross
 
-# Values of SEARCH_STATE: nothing is known; motion is predicted; pairs are known, too; they are, but boxes are not
-INVALID, SOUGHT, VALID, KEPT = 0.0, 1.0, 2.0, 3.0
+# Values of SEARCH_STATE
+INVALID = 0.0  # nothing is known
+SOUGHT = 1.0  # motion is predicted, and there are boxes for it
+VALID = 2.0  # pairs are known, too
+KEPT = 3.0  # motion is predicted and pairs are known, but boxes must be made again
 
 # CLOTH_PAIR
 PAIR_PARTICLES = column(CLOTH_PAIR, 4)  # vertex and corners, or ends of one edge and of the other

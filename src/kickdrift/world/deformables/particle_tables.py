@@ -19,9 +19,11 @@ _OF_PARTICLES = (
     t.PARTICLE_WIND, t.ZONE, t.ZONE_NUMBERS,
 )  # fmt: skip
 _OF_FACES = t.FACE_BOUNDS, t.FACE_NORMALS, t.FACE_STARS, t.FACE_TURN
+OF_PAIRS = t.CLOTH_SEARCH, t.PARTICLE_PATH, t.CLOTH_PAIR, t.CLOTH_PAIR_NUMBERS
+STARTED = t.STARTED_SEARCH, t.STARTED_PATH, t.STARTED_PAIR, t.STARTED_PAIR_NUMBERS  # these when the step began
 OF_A_STEP = (
     *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR,
-    t.PARTICLE_LANES, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
+    t.PARTICLE_LANES, *STARTED, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
 )  # fmt: skip
 
 
@@ -36,9 +38,10 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
     tables.resize(t.PARTICLE_LANES, c.LANE_FIELDS * tables.count(t.PARTICLE))[:] = 0.0
     for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR):
         tables.resize(table, 0)
-    tables.resize(t.PARTICLE_PATH, tables.count(t.PARTICLE))
-    tables.resize(t.CLOTH_SEARCH, 1)
-    keep_pairs(tables)
+    for table in (t.PARTICLE_PATH, t.STARTED_PATH):
+        tables.resize(table, tables.count(t.PARTICLE))
+    for table in (t.CLOTH_SEARCH, t.STARTED_SEARCH):
+        tables.resize(table, 1)
     for cloth, mesh in zip(tables.array(t.CLOTH), meshes, strict=True):
         tree, first = face_tree(mesh), tables.count(t.CLOTH_TREE)
         last = first + len(tree.items)
@@ -89,5 +92,12 @@ def forget_pairs(tables: t.Tables) -> None:
 def forget_motion(tables: t.Tables) -> None:
     """Forget where particles were and which pairs of triangles are known, after particles were added or removed."""
     tables.put(t.STARTED_PARTICLE, tables.array(t.PARTICLE))
-    for table in (t.CLOTH_SEARCH, t.PARTICLE_PATH, t.CLOTH_PAIR, t.CLOTH_PAIR_NUMBERS):
+    for table in OF_PAIRS:
         tables.resize(table, 0)
+
+
+def roll_back_pairs(tables: t.Tables) -> None:
+    """Restore the pairs of triangles that were known when the step began."""
+    for table, started in zip(OF_PAIRS, STARTED, strict=True):
+        tables.put(table, tables.array(started))
+    keep_pairs(tables)

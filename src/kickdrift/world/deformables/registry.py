@@ -117,6 +117,7 @@ class Cloths:
         self.tables.version += 1
 
     def _couple(self, row: int) -> None:
+        forget_pairs(self.tables)  # of which the inverse masses of pinned vertices are a part
         put_couplings(self.tables, row, self.mesh(row))
         self._substep = 0.0
 
@@ -212,7 +213,8 @@ class Cloths:
         first, size = _COLUMNS[name]
         self.tables.array(CLOTH_NUMBERS)[self.row(cloth), first : first + size] = value
         self.tables.altered = True  # the loop of the steps depends on whether it can tear
-        forget_pairs(self.tables)  # which have its friction
+        if name == "friction":
+            forget_pairs(self.tables)
         self._bodies.wake()
         self.wake()
 

@@ -16,6 +16,8 @@ from kickdrift.world.tables import (
     room,
 )
 
+_COLUMNS = CONTACT_LANES.width // WIDTH
+
 
 @compiled
 def fill_contact_lanes(world: int, first: int, last: int) -> bool:
@@ -54,5 +56,5 @@ def _copy(world: int, row: int) -> None:
     particles, lanes = integers(world, CONTACT_LANE_PARTICLES), floats(world, CONTACT_LANES)
     for lane in range(WIDTH):
         particles[row // WIDTH, lane] = contact[row + lane, TOUCHING_PARTICLE]
-        for k in range(WIDTH):
+        for k in range(_COLUMNS):
             lanes[row // WIDTH, WIDTH * k + lane] = numbers[row + lane, k]

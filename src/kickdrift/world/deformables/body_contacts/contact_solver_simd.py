@@ -34,18 +34,18 @@ _TINY = 1e-300
 
 @intrinsic
 def resolve_lanes(
-    context: Any, touching: Any, lanes: Any, particles: Any, row: Any, part: Any, push: Any, advance: Any
+    context: Any, rows: Any, lanes: Any, particles: Any, row: Any, part: Any, push: Any, advance: Any
 ) -> Any:
     """Resolve the eight contacts in a row of lanes: mass does not matter where no body is moved."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        touching, lanes, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
+        rows, lanes, particles = (begin_of(context, builder, signature.args[k], values[k]) for k in range(3))
         row, (part, push, advance) = values[3], (same(builder, value) for value in values[4:7])
         begin = builder.mul(row, WORD(CONTACT_LANES.width))
         number = [loaded(builder, lanes, plus(builder, begin, WIDTH * k)) for k in range(WIDTH)]
-        places = [_row_of(builder, touching, row, lane) for lane in range(WIDTH)]
-        rows = [builder.load(vector_pointer(builder, particles, place), align=8) for place in places]
-        own = [Lanes(builder, field) for field in transposed(builder, rows)]
+        places = [_row_of(builder, rows, row, lane) for lane in range(WIDTH)]
+        loaded_rows = [builder.load(vector_pointer(builder, particles, place), align=8) for place in places]
+        own = [Lanes(builder, field) for field in transposed(builder, loaded_rows)]
         zero, n = Lanes(builder, ir.Constant(VECTOR, None)), [number[CLOTH_NORMAL + k] for k in range(3)]
         ground = [number[GROUND_VELOCITY + k] for k in range(3)]
         v = [own[PARTICLE_VELOCITY + k] - ground[k] for k in range(3)]
@@ -68,13 +68,13 @@ def resolve_lanes(
                 builder.store(values_, vector_pointer(builder, particles, place), align=8)
         return context.get_dummy_value()
 
-    return types.none(touching, lanes, particles, types.int64, *3 * [types.float64]), generate
+    return types.none(rows, lanes, particles, types.int64, *3 * [types.float64]), generate
 
 
-def _row_of(builder: Any, touching: Any, row: Any, lane: int) -> Any:
-    """Return the index at which the particle of a contact begins in its table."""
+def _row_of(builder: Any, rows: Any, row: Any, lane: int) -> Any:
+    """Return the index at which the particle of a lane begins in its table."""
     at = plus(builder, builder.mul(row, WORD(CONTACT_LANE_PARTICLES.width)), lane)
-    return builder.mul(builder.load(builder.gep(touching, [at])), WORD(PARTICLE.width))
+    return builder.mul(builder.load(builder.gep(rows, [at])), WORD(PARTICLE.width))
 
 
 def _larger(a: Lanes, b: Lanes) -> Lanes:

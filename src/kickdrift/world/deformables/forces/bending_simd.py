@@ -11,6 +11,7 @@ from numba.extending import intrinsic
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.deformables.layout import CURVES, FORCES, LANE_FIELDS, PLACES
 from kickdrift.world.deformables.simd_vectors import NUMBER, VECTOR, WORD, Lanes, begin_of, loaded, same, vector_pointer
+from kickdrift.world.tables import PARTICLE
 
 Place = Callable[[int], Any]  # of the numbers of eight particles in a field
 _AXES = range(3)
@@ -105,7 +106,7 @@ def curvature(context: Any, table: Any, i: Any, offsets: Any, weights: Any, firs
         row, zeros = ir.VectorType(NUMBER, 4), ir.Constant(ir.VectorType(ir.IntType(32), 4), None)
 
         def place_of(particle: Any) -> Any:
-            begin = builder.gep(table, [builder.mul(particle, WORD(WIDTH))])
+            begin = builder.gep(table, [builder.mul(particle, WORD(PARTICLE.width))])
             return Lanes(builder, builder.load(builder.bitcast(begin, row.as_pointer()), align=8))
 
         own, total = place_of(values[1]), cgutils.alloca_once_value(builder, ir.Constant(row, None))

@@ -61,7 +61,7 @@ from kickdrift.world.tables import (
 )
 
 _MOST_STRAYS = 0.5  # of all particles: if more have left their paths, the motion of all is predicted anew
-_LONGEST, _REACH = 64.0, 2.5  # longest time of a search in substeps, and way in it in skins
+_LONGEST, _REACH = 64.0, 2.5  # longest time of a search in substeps, and mean way of particles in it in skins
 _FASTEST = 1e6  # m/s, root mean square: faster cloths are about to be lost, and everything would be pairs
 _STACK = 512  # pairs of nodes: three for each level of two trees
 _NUMBERS = 2 * _STACK

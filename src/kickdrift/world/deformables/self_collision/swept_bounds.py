@@ -14,6 +14,7 @@ from kickdrift.world.deformables.layout import (
     BOXES_VELOCITY,
     CLOTH_RADIUS,
     CORNERS,
+    CROSSING_COUNT,
     FACE_AREA,
     FIRST_FACE,
     FIRST_NODE,
@@ -220,9 +221,10 @@ def _enclose_path(world: int, i: int, around: float) -> None:
 
 @compiled
 def restore_boxes(world: int) -> None:
-    """Update the boxes of all particles, triangles and trees, given the predicted motion of a snapshot."""
-    own, numbers = integers(world, CLOTH), floats(world, CLOTH_NUMBERS)
-    _all_stray(world)
+    """Update the boxes of all particles, triangles and trees, given the predicted motion; nothing is tangled."""
+    own, numbers, zone = integers(world, CLOTH), floats(world, CLOTH_NUMBERS), integers(world, ZONE)
+    for i in range(_all_stray(world)):
+        zone[i, CROSSING_COUNT] = 0
     for cloth in range(rows(world, CLOTH)):
         for i in range(own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]):
             _enclose_path(world, i, numbers[cloth, CLOTH_RADIUS] + numbers[cloth, SKIN])

@@ -17,6 +17,7 @@ from kickdrift.world.deformables.layout import (
     CROSSINGS,
     PAIR_FACES,
     PAIR_KIND,
+    PAIR_PARTICLES,
     PARTICLE_INVERSE_MASS,
 )
 from kickdrift.world.deformables.self_collision.pair_rows import NO_ROOM, add_pair
@@ -43,6 +44,8 @@ def note_crossing(world: int, f: int, g: int) -> bool:
         return False
     pair = integers(world, CLOTH_PAIR)
     pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1], pair[row, PAIR_KIND] = f, g, CROSSING
+    for k in range(4):  # a row may have been that of particles that are no more
+        pair[row, PAIR_PARTICLES + k] = integers(world, FACE)[f, CORNERS]
     tangle(world, f, g)
     return True
 
