@@ -342,6 +342,24 @@ def test_a_heap_goes_on_with_the_same_bits_after_a_step_that_fails():
     assert np.array_equal(strip.position, other.cloths.handle(0).position)
 
 
+def test_a_step_that_fails_after_pairs_are_forgotten_leaves_pairs_of_present_particles(tmp_path):
+    world = kd.World(gravity=(0, 0, 0))
+    sheets = [world.add_cloth_grid((0.5, 0.5), (14, 14), position=(0, 0, 0.009 * k), thickness=0.01) for k in range(3)]
+    world.advance(STEP, 2)
+    world.remove_cloth(sheets.pop())
+    world.step(STEP)
+    world.remove_cloth(sheets.pop())
+    other = world.add_cloth_grid((0.5, 0.5), (6, 6), position=(0, 0, 0.009), thickness=0.01)
+    world.step(STEP)
+    other.friction = 0.9
+    other.velocity[3] = np.nan
+    with pytest.raises(kd.KickdriftError, match="was lost"):
+        world.step(STEP)
+    other.velocity[3] = 0.0
+    assert world.tables.count(tables.CLOTH_PAIR) > 0
+    assert kd.load_world(world.save(tmp_path / "world.npz")).n_steps == world.n_steps
+
+
 def test_a_tangle_in_the_place_of_removed_cloth_is_saved_and_loaded(tmp_path):
     world = kd.World(gravity=(0, 0, 0))
     sheets = [world.add_cloth_grid((0.5, 0.5), (14, 14), position=(0, 0, 0.004 * k), thickness=0.01) for k in range(3)]

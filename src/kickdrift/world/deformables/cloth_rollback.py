@@ -42,10 +42,9 @@ def _note_pairs(world: int) -> bool:
     set_rows(world, STARTED_PAIR, count)
     set_rows(world, STARTED_PAIR_NUMBERS, count)
     _copy(floats(world, CLOTH_SEARCH), floats(world, STARTED_SEARCH), 1, CLOTH_SEARCH.width)
-    if floats(world, CLOTH_SEARCH)[0, SEARCH_STATE] != INVALID:
-        _copy(floats(world, PARTICLE_PATH), floats(world, STARTED_PATH), rows(world, PARTICLE), PARTICLE_PATH.width)
-        _copy(integers(world, CLOTH_PAIR), integers(world, STARTED_PAIR), count, CLOTH_PAIR.width)
-        _copy(floats(world, CLOTH_PAIR_NUMBERS), floats(world, STARTED_PAIR_NUMBERS), count, CLOTH_PAIR_NUMBERS.width)
+    _copy(floats(world, PARTICLE_PATH), floats(world, STARTED_PATH), rows(world, PARTICLE), PARTICLE_PATH.width)
+    _copy(integers(world, CLOTH_PAIR), integers(world, STARTED_PAIR), count, CLOTH_PAIR.width)
+    _copy(floats(world, CLOTH_PAIR_NUMBERS), floats(world, STARTED_PAIR_NUMBERS), count, CLOTH_PAIR_NUMBERS.width)
     return True
 
 
