@@ -81,7 +81,7 @@ ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 # The sweeps
 COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
 COLOURED = Table(31, 1, whole=True)  # for each body the set of colours of its contacts
-KERNEL_ADDRESSES = Table(34, 16, whole=True)  # one row: see `kickdrift.world.contacts.layout`
+KERNEL_ADDRESSES = Table(34, 32, whole=True)  # one row: see `kickdrift.world.contacts.layout`
 IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impacts.impact_rows`
 BOUNCING = Table(60, 3, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step
@@ -131,6 +131,7 @@ INTERVAL_START, PARTICLE_PATH, FACE_TURN, PARTICLE_WIND = Table(96, 4), Table(97
 FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 32, whole=True), Table(100, 40), Table(101, 24)  # eight triangles each
 TETRAHEDRON, TETRAHEDRON_NUMBERS = Table(105, 4, whole=True), Table(106, 10)  # of a soft body
 STARTED_SEARCH, STARTED_PATH = Table(112, CLOTH_SEARCH.width), Table(113, PARTICLE_PATH.width)
+BENDING_SUMS = Table(116, 9)  # of each chunk of particles: see `kickdrift.world.deformables.forces.bending`
 STARTED_PAIR, STARTED_PAIR_NUMBERS = Table(114, CLOTH_PAIR.width, whole=True), Table(115, CLOTH_PAIR_NUMBERS.width)
 CONTACT_LANES, CONTACT_LANE_PARTICLES = Table(110, 64), Table(111, 8, whole=True)  # eight contacts each
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth

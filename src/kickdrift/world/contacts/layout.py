@@ -56,6 +56,13 @@ LANE_COUNT = column(KERNEL_ADDRESSES)
 SOLVE_EQUATIONS = column(KERNEL_ADDRESSES)
 AIM_JOINTS = column(KERNEL_ADDRESSES)
 REPAIR_POSES = column(KERNEL_ADDRESSES)
+# Parallel loops of cloths, zero without threads: see `kickdrift.world.deformables.chunks`
+MEMBRANE_LOOP = column(KERNEL_ADDRESSES)
+BENDING_LOOP = column(KERNEL_ADDRESSES)
+TURN_LOOP = column(KERNEL_ADDRESSES)
+KICK_LOOP = column(KERNEL_ADDRESSES)
+CONTACT_LOOP = column(KERNEL_ADDRESSES)
+DRIFT_LOOP = column(KERNEL_ADDRESSES)
 
 # Numbers of a point of a manifold
 _POINT = Fields()

@@ -1,4 +1,8 @@
-"""Groups of eight triangles of a cloth, in as many of which as possible the corners are consecutive rows of the tables."""
+"""Groups of eight triangles of a cloth, in as many of which as possible the corners are consecutive rows of the tables.
+
+Groups are divided into chunks, and these into colours: no two chunks of a colour have a particle in common, so that forces can
+be added to their particles in parallel.
+"""
 
 from typing import NamedTuple
 
@@ -10,9 +14,10 @@ from kickdrift.world.contacts.layout import WIDTH
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_ROUNDING = (
-    2.0**-40
-)  # of the largest number at rest, to which they are rounded: triangles of a grid differ by rounding errors
+GROUPS_IN_CHUNK = 64
+_COLOURS = 63  # largest number that chunks share
+# Of the largest number at rest, to which they are rounded: triangles of a grid differ by rounding errors
+_ROUNDING = 2.0**-40
 
 
 class FaceGroups(NamedTuple):
@@ -29,6 +34,8 @@ class FaceGroups(NamedTuple):
         Whether the corners of the eight triangles are consecutive.
     apart : (G, 3) array of bool
         In groups of consecutive rows, whether the rows of a corner partly overlap those of another corner and come after them.
+    after : (G,) array
+        One after the last group of the same colour; groups of a colour follow each other, in chunks of `GROUPS_IN_CHUNK`.
     """
 
     corners: Integers
@@ -36,6 +43,7 @@ class FaceGroups(NamedTuple):
     of: Integers
     in_rows: NDArray[np.bool_]
     apart: NDArray[np.bool_]
+    after: Integers
 
 
 def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
@@ -61,7 +69,26 @@ def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
     firsts = np.repeat(triangles[order[begins], 0], counts)[full][::WIDTH]
     # Adjacent ranges of consecutive triangles one after the other
     near = np.argsort(np.append(firsts, triangles[members[len(firsts) :, 0], 0]), kind="stable")
+    colours = _colours(triangles[members[near]].reshape(len(members), -1))
+    near = near[np.argsort(colours, kind="stable")]
     corners = triangles[members].transpose(0, 2, 1)[near]
     beyond = corners[:, :, None, 0] - corners[:, None, :, 0]
     apart = ((beyond > 0) & (beyond < WIDTH)).any(axis=2) & in_rows[near, None]
-    return FaceGroups(corners, rests.reshape(-1, 5, WIDTH), of.ravel()[near], in_rows[near], apart)
+    after = np.searchsorted(np.sort(colours), np.sort(colours), side="right")
+    return FaceGroups(corners, rests.reshape(-1, 5, WIDTH), of.ravel()[near], in_rows[near], apart, after)
+
+
+def _colours(particles: Integers) -> Integers:
+    """Return the colours of groups with these particles, (G, 24), one for each chunk of consecutive groups.
+
+    A chunk gets the first colour that no chunk with a common particle has; one of its own where all are taken.
+    """
+    colours, taken = np.zeros(len(particles), dtype=np.int64), np.zeros(particles.max() + 1, dtype=np.uint64)
+    for begin in range(0, len(particles), GROUPS_IN_CHUNK):
+        own = np.unique(particles[begin : begin + GROUPS_IN_CHUNK])
+        free = ~int(np.bitwise_or.reduce(taken[own]))
+        colour = (free & -free).bit_length() - 1
+        if colour < _COLOURS:
+            taken[own] |= np.uint64(1 << colour)
+        colours[begin : begin + GROUPS_IN_CHUNK] = colour if colour < _COLOURS else _COLOURS + begin
+    return colours

@@ -124,6 +124,7 @@ RESTS = column(FACE_GROUP)  # row of GROUP_REST
 IN_ROWS = column(FACE_GROUP)  # 1 if the corners are consecutive rows; then the first triangle is all that is read
 # field to which the forces on the first corners are added, on the second and the third ones
 ADDED_TO = column(FACE_GROUP, 3)
+AFTER_COLOUR = column(FACE_GROUP)  # one after the last row of its colour: see `kickdrift.world.deformables.face_groups`
 GROUP_CORNERS = column(FACE_GROUP, 24)  # particles: three of each triangle
 column(GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
 column(GROUP_STRAIN, 24)  # strains along warp and weft, and shear, at the last kick

@@ -2,7 +2,8 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
-from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.layout import DRIFT_LOOP, KICK_LOOP, WIDTH
+from kickdrift.world.deformables.chunks import chunked
 from kickdrift.world.deformables.layout import (
     FIRST_PARTICLE,
     FORCES,
@@ -15,6 +16,8 @@ from kickdrift.world.deformables.layout import (
 )
 from kickdrift.world.deformables.simd_vectors import drift_lanes, kick_lanes, rows_to_fields
 from kickdrift.world.tables import CLOTH, PARTICLE, PARTICLE_LANES, flat, floats, integers, rows
+
+PARTICLES_IN_CHUNK = 512  # a multiple of the lanes
 
 
 @compiled(inline=True)
@@ -43,15 +46,17 @@ def fill_lanes(world: int, cloth: int) -> None:
 @compiled
 def drift_particles(world: int, part: float) -> None:
     """Move all particles with their velocities through a part of a substep, s, and copy their positions."""
-    particle, fields, size, count = (
-        floats(world, PARTICLE),
-        flat(world, PARTICLE_LANES),
-        field_size(world),
-        rows(world, PARTICLE),
-    )
-    for i in range(0, count - WIDTH + 1, WIDTH):
+    _drift(world, 0, 0, rows(world, PARTICLE), (part,))
+
+
+@compiled
+def _drift_some(world: int, cloth: int, first: int, last: int, numbers: tuple[float]) -> None:
+    """Do the same for some particles."""
+    particle, (part,) = floats(world, PARTICLE), numbers
+    fields, size = flat(world, PARTICLE_LANES), field_size(world)
+    for i in range(first, last - WIDTH + 1, WIDTH):
         drift_lanes(particle, i, fields, PLACES * size + i, size, part)
-    for i in range(count - count % WIDTH, count):
+    for i in range(last - (last - first) % WIDTH, last):
         for k in range(3):
             particle[i, k] += part * particle[i, PARTICLE_VELOCITY + k]
             fields[(PLACES + k) * size + i] = particle[i, k]
@@ -63,9 +68,17 @@ def kick_by_forces(world: int, cloth: int, part: float, keep: float, fall: Vecto
 
     Their velocities are then multiplied by `keep`, and the forces set to zero.
     """
-    own, particle = integers(world, CLOTH), floats(world, PARTICLE)
+    own = integers(world, CLOTH)
+    _kick(world, cloth, own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE], (part, keep, *fall))
+
+
+@compiled
+def _kick_some(
+    world: int, cloth: int, first: int, last: int, numbers: tuple[float, float, float, float, float]
+) -> None:
+    """Do the same for some particles."""
+    particle, part, keep, fall = floats(world, PARTICLE), numbers[0], numbers[1], numbers[2:]
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
-    first, last = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
     for i in range(first, last - WIDTH + 1, WIDTH):
         kick_lanes(particle, i, fields, FORCES * size + i, FORCES_APART * size + i, size, part, keep, fall)
     for i in range(last - (last - first) % WIDTH, last):
@@ -90,3 +103,8 @@ def force_on(world: int, i: int) -> Vector:
 def add_force(world: int, i: int, k: int, force: float) -> None:
     """Add to a component of the force on a particle."""
     flat(world, PARTICLE_LANES)[(FORCES + k) * field_size(world) + i] += force
+
+
+DRIFT = chunked(_drift_some, "drift_loop", DRIFT_LOOP, PARTICLES_IN_CHUNK, 1)
+KICK = chunked(_kick_some, "kick_loop", KICK_LOOP, PARTICLES_IN_CHUNK, 5)
+_drift, _kick = DRIFT.run, KICK.run

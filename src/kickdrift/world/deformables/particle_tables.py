@@ -10,6 +10,7 @@ from kickdrift.world.collision.broad_phase.bvh import ITEM, SKIP
 from kickdrift.world.deformables import layout as c
 from kickdrift.world.deformables.face_groups import face_groups
 from kickdrift.world.deformables.mesh import ClothMesh
+from kickdrift.world.deformables.particle_fields import PARTICLES_IN_CHUNK
 from kickdrift.world.deformables.self_collision.face_bvh import face_tree, stars
 
 Integers = NDArray[np.int64]
@@ -23,7 +24,7 @@ OF_PAIRS = t.CLOTH_SEARCH, t.PARTICLE_PATH, t.CLOTH_PAIR, t.CLOTH_PAIR_NUMBERS
 STARTED = t.STARTED_SEARCH, t.STARTED_PATH, t.STARTED_PAIR, t.STARTED_PAIR_NUMBERS  # these when the step began
 OF_A_STEP = (
     *_OF_PARTICLES, *_OF_FACES, t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR,
-    t.PARTICLE_LANES, *STARTED, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN,
+    t.PARTICLE_LANES, *STARTED, t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN, t.BENDING_SUMS,
 )  # fmt: skip
 
 
@@ -36,6 +37,7 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
     for table in (t.FACE_GROUP, t.GROUP_REST, t.GROUP_STRAIN, t.PARTICLE_LANES):
         tables.resize(table, 0)
     tables.resize(t.PARTICLE_LANES, c.LANE_FIELDS * tables.count(t.PARTICLE))[:] = 0.0
+    tables.resize(t.BENDING_SUMS, -(-tables.count(t.PARTICLE) // PARTICLES_IN_CHUNK))
     for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR):
         tables.resize(table, 0)
     for table in (t.PARTICLE_PATH, t.STARTED_PATH):
@@ -74,6 +76,7 @@ def _group(tables: t.Tables, cloth: Integers) -> None:
     rows[:, c.GROUP_CORNERS : c.GROUP_CORNERS + 24] = groups.corners.transpose(0, 2, 1).reshape(-1, 24)
     rows[:, c.RESTS], rows[:, c.IN_ROWS] = rest + groups.of, groups.in_rows
     rows[:, c.ADDED_TO : c.ADDED_TO + 3] = np.where(groups.apart, c.FORCES_APART, c.FORCES)
+    rows[:, c.AFTER_COLOUR] = first + groups.after
     tables.resize(t.GROUP_REST, rest + len(groups.rests))[rest:] = groups.rests.reshape(-1, 40)
     tables.resize(t.GROUP_STRAIN, last)[first:] = 0.0
 

@@ -5,6 +5,12 @@ from typing import Any, NamedTuple
 from kickdrift.core.compilation import Function
 from kickdrift.world.contacts import contact_solver_simd
 from kickdrift.world.contacts.layout import AIM_JOINTS, REPAIR_POSES, SOLVE_EQUATIONS
+from kickdrift.world.contacts.sequential_impulses import THREADED, solve
+from kickdrift.world.deformables.body_contacts.contact_solver import CONTACTS
+from kickdrift.world.deformables.cloth_step import move_cloths
+from kickdrift.world.deformables.forces.bending import COUPLE, TURN
+from kickdrift.world.deformables.forces.membrane import MEMBRANE
+from kickdrift.world.deformables.particle_fields import DRIFT, KICK
 from kickdrift.world.direct.active_set import solve_island
 from kickdrift.world.direct.island_calls import AIM, REPAIR, SOLVE
 from kickdrift.world.direct.island_right_hand_sides import aim_joints
@@ -22,6 +28,10 @@ class Kernel(NamedTuple):
     signature: Any
 
 
+# Loops that threads share
+_CLOTHS = tuple(
+    Kernel(loop.column, loop.threaded, loop.signature) for loop in (MEMBRANE, COUPLE, TURN, KICK, CONTACTS, DRIFT)
+)
 _CONTACTS = tuple(
     Kernel(column, function, contact_solver_simd.KERNEL) for column, function in contact_solver_simd.KERNELS.items()
 )
@@ -33,4 +43,5 @@ def kernels_of(spelt: Word) -> tuple[Kernel, ...]:
     """Return the functions that the stages of a step call by their addresses."""
     islands = _ISLANDS if solve_islands in spelt.substep else ()
     joints = _JOINTS if begin_joints in spelt.before else ()
-    return (*_CONTACTS, *islands, *joints)
+    cloths = _CLOTHS if move_cloths in spelt.substep and THREADED[solve] in spelt.substep else ()
+    return (*_CONTACTS, *islands, *joints, *cloths)

@@ -201,6 +201,7 @@ class DoesSteps:
             compile_step(spelt, shapes.kinds, pairs)
             self.compile_time += time.perf_counter() - began
             kernels = self.tables.array(KERNEL_ADDRESSES)[0]
+            kernels[:] = 0
             for kernel in kernels_of(spelt):
                 kernels[kernel.column] = address_of(kernel.function, kernel.signature)
             kernels[LANE_COUNT] = WIDTH

@@ -30,6 +30,8 @@ def fill_contact_lanes(world: int, first: int, last: int) -> bool:
         contact[row, IN_LANES] = 0
         if _fits(contact, row, last):
             _copy(world, row)
+            if row > run and contact[row, TOUCHING_PARTICLE] <= contact[row - 1, TOUCHING_PARTICLE]:
+                run = row  # no particle is twice in a run, which is resolved in parallel
             row += WIDTH
             contact[run, IN_LANES] = row - run
         else:

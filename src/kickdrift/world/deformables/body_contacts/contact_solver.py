@@ -5,7 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, length, minus, plus, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.layout import CONTACT_LOOP, WIDTH
 from kickdrift.world.deformables.body_contacts.contact_motion import (
     give_impulse,
     ground_velocity,
@@ -18,6 +18,7 @@ from kickdrift.world.deformables.body_contacts.contact_solver_simd import resolv
 from kickdrift.world.deformables.body_contacts.load_path import IS_CARRIED
 from kickdrift.world.deformables.body_contacts.loaded_contacts import begin_loaded, resolve_loaded
 from kickdrift.world.deformables.body_contacts.tilt_stiffness import resist_tilting
+from kickdrift.world.deformables.chunks import chunked
 from kickdrift.world.deformables.layout import (
     CLOTH_NORMAL,
     CLOTH_OFFSET,
@@ -50,6 +51,7 @@ from kickdrift.world.tables import (
 # Largest number of further sweeps, and the change of speed, m/s, that ends them. With 16 and 1e-3, loaded sheets tremble less
 # by a tenth, and a net with boxes takes a third longer; with 2, they tremble twice as much.
 _SWEEPS, _ENOUGH = 8, 1e-2
+_ROWS_IN_CHUNK = 32
 
 
 @compiled
@@ -64,8 +66,6 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         integers(world, CLOTH)[cloth, FIRST_CONTACT],
         integers(world, CLOTH)[cloth, LAST_CONTACT],
     )
-    touching, lanes = flat_integers(world, CONTACT_LANE_PARTICLES), flat(world, CONTACT_LANES)
-    particle = floats(world, PARTICLE)
     row, shared, advance = first, False, min(part, left)
     while row < last:  # on a load path contacts add to each other's impulses: all begin before any is resolved
         if contact[row, ON_LOAD_PATH] != 0:
@@ -74,9 +74,9 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         row = _after(contact, row)
     row = first
     while row < last:
-        for k in range(row, row + contact[row, IN_LANES], WIDTH):
-            resolve_lanes(touching, lanes, particle, k // WIDTH, part, push, advance)
-        if contact[row, IN_LANES] == 0:
+        if contact[row, IN_LANES] > 0:
+            _resolve_lanes(world, cloth, row // WIDTH, (row + contact[row, IN_LANES]) // WIDTH, (part, push, advance))
+        else:
             shared = shared or contact[row, OTHER_PARTICLE] != contact[row, TOUCHING_PARTICLE]
             if contact[row, ON_LOAD_PATH] == 0:
                 _begin(world, row, part * push, left)
@@ -90,6 +90,19 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
         if contact[row, IN_LANES] == 0:
             _advance(world, row, advance)
         row = _after(contact, row)
+
+
+@compiled
+def _resolve_rows(world: int, cloth: int, first: int, last: int, numbers: tuple[float, float, float]) -> None:
+    """Resolve the contacts in some rows of lanes, with the part, the speed of the push, and the time for which bodies move."""
+    touching, lanes = flat_integers(world, CONTACT_LANE_PARTICLES), flat(world, CONTACT_LANES)
+    particle, (part, push, advance) = floats(world, PARTICLE), numbers
+    for row in range(first, last):
+        resolve_lanes(touching, lanes, particle, row, part, push, advance)
+
+
+CONTACTS = chunked(_resolve_rows, "contact_loop", CONTACT_LOOP, _ROWS_IN_CHUNK, 3)
+_resolve_lanes = CONTACTS.run
 
 
 @compiled(inline=True)

@@ -23,7 +23,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, inverse_symmetric, length, minus, plus, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts.layout import BENDING_LOOP, TURN_LOOP, WIDTH
+from kickdrift.world.deformables.chunks import chunked
 from kickdrift.world.deformables.forces.bending_simd import (
     are_pairs,
     couple_damped_lanes,
@@ -46,8 +47,9 @@ from kickdrift.world.deformables.layout import (
     PULLS,
     STENCIL,
 )
-from kickdrift.world.deformables.particle_fields import add_force, field_size
+from kickdrift.world.deformables.particle_fields import PARTICLES_IN_CHUNK, add_force, field_size
 from kickdrift.world.tables import (
+    BENDING_SUMS,
     CLOTH,
     CLOTH_NUMBERS,
     COUPLING,
@@ -78,35 +80,27 @@ def add_bending(world: int, cloth: int, share: float, damped: float) -> None:
     stiffness, ahead = share * numbers[cloth, BENDING], damped / share * numbers[cloth, BENDING_DAMPING]
     if stiffness == 0.0:
         return
-    fields, size = flat(world, PARTICLE_LANES), field_size(world)
-    begin, end = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
-    sums = carray(floats_on_stack(_SUMS), (_SUMS,))
-    sums[:] = 0.0
-    _couple(world, cloth, stiffness, ahead, sums)
+    first, last = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
+    _couple(world, cloth, first, last, (stiffness, ahead))
     if ahead > 0.0:
-        x, y, z = _spin(sums, stiffness * ahead)
-        for i in range(begin, end - WIDTH + 1, WIDTH):
-            turn_lanes(fields, size, i, x, y, z)
-        for i in range(end - (end - begin) % WIDTH, end):
-            curve = _vector(fields, size, CURVES, i)
-            back = cross((x, y, z), curve)
-            for k in range(3):
-                add_force(world, i, k, -back[k])
+        _turn(world, cloth, first, last, times(stiffness * ahead, _spin(world, last - first)))
     if own[cloth, FIRST_CURVED] < own[cloth, LAST_CURVED]:
         _add_rest(world, cloth, stiffness)
 
 
 @compiled
-def _couple(world: int, cloth: int, stiffness: float, ahead: float, sums: Any) -> None:
-    """Add the forces between coupled particles, extrapolated by `ahead` times their last change, to those on them.
+def _couple_some(world: int, cloth: int, begin: int, end: int, numbers: tuple[float, float]) -> None:
+    """Add the forces between coupled particles to those on some of them: stiffness, and by how much they are extrapolated.
 
     Consecutive particles with the same couplings are processed eight at a time; those of the last eight that have been
-    processed already are skipped. `sums` accumulate the sums of `_spin`, in lanes.
+    processed already are skipped. The sums of `_spin` over them are written to `BENDING_SUMS`.
     """
     own, ranges = integers(world, CLOTH), integers(world, PARTICLE_COUPLINGS)
-    fields, size = flat(world, PARTICLE_LANES), field_size(world)
+    fields, size, (stiffness, ahead) = flat(world, PARTICLE_LANES), field_size(world), numbers
     offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
-    start, begin, end = own[cloth, FIRST_COUPLING], own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
+    start, origin = own[cloth, FIRST_COUPLING], own[cloth, FIRST_PARTICLE]
+    sums = carray(floats_on_stack(_SUMS), (_SUMS,))
+    sums[:] = 0.0
     i = begin
     while i < end:
         first, last, after = ranges[i, COUPLINGS], ranges[i, COUPLINGS + 1], i + 1
@@ -117,18 +111,23 @@ def _couple(world: int, cloth: int, stiffness: float, ahead: float, sums: Any) -
         first, last = start + first, start + last
         if after - i < WIDTH:
             for j in range(i, after):
-                _couple_one(world, j, first, last, stiffness, ahead, begin, sums)
+                _couple_one(world, j, first, last, stiffness, ahead, origin, sums)
         elif ahead > 0.0:
             for k in range(i, after, WIDTH):
                 at = min(k, after - WIDTH)
                 couple_damped_lanes(
-                    fields, size, at, k - at, offsets, weights, first, last, stiffness, ahead, begin, sums
+                    fields, size, at, k - at, offsets, weights, first, last, stiffness, ahead, origin, sums
                 )
         else:
             for k in range(i, after, WIDTH):
                 at = min(k, after - WIDTH)
                 couple_lanes(fields, size, at, k - at, offsets, weights, first, last, stiffness)
         i = after
+    totals, row = floats(world, BENDING_SUMS), (begin - origin) // PARTICLES_IN_CHUNK
+    for k in range(BENDING_SUMS.width):
+        totals[row, k] = 0.0
+        for lane in range(WIDTH):
+            totals[row, k] += sums[k * WIDTH + lane]
 
 
 @compiled
@@ -159,18 +158,18 @@ def _vector(fields: Any, size: int, field: int, i: int) -> Vector:
 
 
 @compiled
-def _spin(sums: Any, factor: float) -> Vector:
-    """Return the angular velocity w of the frame that rotates with the cloth, times a factor.
+def _spin(world: int, count: int) -> Vector:
+    """Return the angular velocity w of the frame that rotates with a cloth of some particles.
 
     With p = -H^T H x and its last change q, the force is D (p + ahead (q - w x p)). Its torque is zero for the w that
     satisfies sum x x q = sum (x . p) w - p (x . w), which also minimises |H dx - w x H x|: (tr S - S) w = torque, with S
-    negative definite. `sums` are the torque, and S as xx, yy, zz, xy, xz, yz, in lanes.
+    negative definite. The sums are the torque, and S as xx, yy, zz, xy, xz, yz.
     """
-    totals = carray(floats_on_stack(9), (9,))
-    for k in range(9):
-        totals[k] = 0.0
-        for lane in range(WIDTH):
-            totals[k] += sums[k * WIDTH + lane]
+    sums, totals = floats(world, BENDING_SUMS), carray(floats_on_stack(9), (9,))
+    totals[:] = 0.0
+    for row in range((count + PARTICLES_IN_CHUNK - 1) // PARTICLES_IN_CHUNK):
+        for k in range(9):
+            totals[k] += sums[row, k]
     torque, (xx, yy, zz) = (totals[0], totals[1], totals[2]), (totals[3], totals[4], totals[5])
     trace = xx + yy + zz - _TURNS * (1.0 - (xx + yy + zz))
     matrix = (trace - xx, trace - yy, trace - zz, -totals[6], -totals[7], -totals[8])
@@ -179,7 +178,24 @@ def _spin(sums: Any, factor: float) -> Vector:
     again = applied(
         inverse, minus(torque, applied(matrix, w))
     )  # refinement: for nearly flat cloths few digits are left
-    return times(factor, plus(w, again))
+    return plus(w, again)
+
+
+@compiled
+def _turn_some(world: int, cloth: int, begin: int, end: int, numbers: Vector) -> None:
+    """Subtract the damping of the rotation of the frame, at some angular velocity, from the forces on some particles."""
+    fields, size, (x, y, z) = flat(world, PARTICLE_LANES), field_size(world), numbers
+    for i in range(begin, end - WIDTH + 1, WIDTH):
+        turn_lanes(fields, size, i, x, y, z)
+    for i in range(end - (end - begin) % WIDTH, end):
+        back = cross((x, y, z), _vector(fields, size, CURVES, i))
+        for k in range(3):
+            add_force(world, i, k, -back[k])
+
+
+COUPLE = chunked(_couple_some, "bending_loop", BENDING_LOOP, PARTICLES_IN_CHUNK, 2)
+TURN = chunked(_turn_some, "turn_loop", TURN_LOOP, PARTICLES_IN_CHUNK, 3)
+_couple, _turn = COUPLE.run, TURN.run
 
 
 @compiled

@@ -18,8 +18,12 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus
 from kickdrift.world.columns import vector_at
+from kickdrift.world.contacts.layout import MEMBRANE_LOOP
+from kickdrift.world.deformables.chunks import chunked
+from kickdrift.world.deformables.face_groups import GROUPS_IN_CHUNK
 from kickdrift.world.deformables.forces.membrane_simd import add_membrane_of_any, add_membrane_of_rows
 from kickdrift.world.deformables.layout import (
+    AFTER_COLOUR,
     CORNERS,
     FIRST_FACE,
     FIRST_GROUP,
@@ -59,17 +63,31 @@ def add_membrane(world: int, cloth: int, share: float, damped: float) -> None:
     Damping uses the change of the strains since the last evaluation, divided by the time since then, s; `damped` is zero if
     there was none.
     """
-    numbers, own, group = floats(world, CLOTH_NUMBERS), integers(world, CLOTH), integers(world, FACE_GROUP)
+    own, group = integers(world, CLOTH), integers(world, FACE_GROUP)
+    g = own[cloth, FIRST_GROUP]
+    while g < own[cloth, LAST_GROUP]:
+        _add_groups(world, cloth, g, group[g, AFTER_COLOUR], (share, damped))
+        g = group[g, AFTER_COLOUR]
+
+
+@compiled
+def _add_some(world: int, cloth: int, first: int, last: int, numbers: tuple[float, float]) -> None:
+    """Do the same for some groups of triangles."""
+    own, group, (share, damped) = floats(world, CLOTH_NUMBERS), integers(world, FACE_GROUP), numbers
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     corners, rest, strain = flat_integers(world, FACE_GROUP), flat(world, GROUP_REST), flat(world, GROUP_STRAIN)
-    stretch, shear = numbers[cloth, STRETCH], numbers[cloth, SHEAR]
-    ahead = damped * numbers[cloth, MEMBRANE_DAMPING]
-    for g in range(own[cloth, FIRST_GROUP], own[cloth, LAST_GROUP]):
+    stretch, shear = own[cloth, STRETCH], own[cloth, SHEAR]
+    ahead = damped * own[cloth, MEMBRANE_DAMPING]
+    for g in range(first, last):
         begin, of, at = g * FACE_GROUP.width, group[g, RESTS] * GROUP_REST.width, g * GROUP_STRAIN.width
         if group[g, IN_ROWS] != 0:
             add_membrane_of_rows(fields, size, corners, begin, rest, of, strain, at, stretch, shear, share, ahead)
         else:
             add_membrane_of_any(fields, size, corners, begin, rest, of, strain, at, stretch, shear, share, ahead)
+
+
+MEMBRANE = chunked(_add_some, "membrane_loop", MEMBRANE_LOOP, GROUPS_IN_CHUNK, 2)
+_add_groups = MEMBRANE.run
 
 
 @compiled
