@@ -132,12 +132,15 @@ FACE_GROUP, GROUP_REST, GROUP_STRAIN = Table(99, 32, whole=True), Table(100, 40)
 TETRAHEDRON, TETRAHEDRON_NUMBERS = Table(105, 4, whole=True), Table(106, 10)  # of a soft body
 STARTED_SEARCH, STARTED_PATH = Table(112, CLOTH_SEARCH.width), Table(113, PARTICLE_PATH.width)
 BENDING_SUMS = Table(116, 9)  # of each chunk of particles: see `kickdrift.world.deformables.forces.bending`
+# See `kickdrift.world.deformables.self_collision.parallel_search`
+SEARCH_TASK, FOUND_PAIR = Table(117, 8, whole=True), Table(118, CLOTH_PAIR.width, whole=True)
+FOUND_PAIR_NUMBERS = Table(119, CLOTH_PAIR_NUMBERS.width)
 STARTED_PAIR, STARTED_PAIR_NUMBERS = Table(114, CLOTH_PAIR.width, whole=True), Table(115, CLOTH_PAIR_NUMBERS.width)
 CONTACT_LANES, CONTACT_LANE_PARTICLES = Table(110, 64), Table(111, 8, whole=True)  # eight contacts each
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
 
 _LAST = max(table.place for table in list(globals().values()) if isinstance(table, Table))
-VIEW = Table(_LAST + 1, 3 * (_LAST + 2), whole=True)  # one row: the block as it is for a batch
+VIEW = Table(_LAST + 1, 3 * (_LAST + 2), whole=True)  # the block as it is for a batch, or for a worker in a search
 _COUNT = _LAST + 2
 _ADDRESS, _ROWS, _ROOM = 0, 1, 2  # the words that describe a table
 
@@ -179,6 +182,15 @@ def narrow(world: int, table: Table, first: int, count: int) -> None:
 
 
 @compiled(inline=True)
+def replace(world: int, table: Table, by: Table, first: int, count: int) -> None:
+    """Replace a table in a block by `count` rows of another one, from `first` on, none of which is in use."""
+    place = 3 * table[0]
+    put_word(world, place + _ADDRESS, word(world, 3 * by[0] + _ADDRESS) + 8 * by[1] * first)
+    put_word(world, place + _ROWS, 0)
+    put_word(world, place + _ROOM, count)
+
+
+@compiled(inline=True)
 def floats(world: int, table: Table) -> Any:
     """Return a view of all rows that a table has room for."""
     place = 3 * table[0]
@@ -210,6 +222,7 @@ def flat_integers(world: int, table: Table) -> Any:
 _COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}
 _COMPANIONS |= {CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,), CLOTH_PAIR: (CLOTH_PAIR_NUMBERS,)}
 _COMPANIONS |= {CONTACT_LANES: (CONTACT_LANE_PARTICLES,), STARTED_PAIR: (STARTED_PAIR_NUMBERS,)}
+_COMPANIONS |= {FOUND_PAIR: (FOUND_PAIR_NUMBERS,)}
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}
 
 

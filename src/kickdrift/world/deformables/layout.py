@@ -36,6 +36,7 @@ from kickdrift.world.tables import (
     PARTICLE_WIND,
     PIN,
     PIN_NUMBERS,
+    SEARCH_TASK,
     TETRAHEDRON,
     TETRAHEDRON_NUMBERS,
     TREE_NEIGHBOUR,
@@ -257,6 +258,11 @@ INVALID = 0.0  # nothing is known
 SOUGHT = 1.0  # motion is predicted, and there are boxes for it
 VALID = 2.0  # pairs are known, too
 KEPT = 3.0  # motion is predicted and pairs are known, but boxes must be made again
+
+# SEARCH_TASK
+TASK_NODES = column(SEARCH_TASK, 2)  # of the trees of both cloths
+FIRST_FOUND, LAST_FOUND = column(SEARCH_TASK), column(SEARCH_TASK)  # of FOUND_PAIR, one after the last
+PLACE_OF_FOUND = column(SEARCH_TASK)  # row of CLOTH_PAIR
 
 # CLOTH_PAIR
 PAIR_PARTICLES = column(CLOTH_PAIR, 4)  # vertex and corners, or ends of one edge and of the other

@@ -12,6 +12,7 @@ from kickdrift.world.deformables.face_groups import face_groups
 from kickdrift.world.deformables.mesh import ClothMesh
 from kickdrift.world.deformables.particle_fields import PARTICLES_IN_CHUNK
 from kickdrift.world.deformables.self_collision.face_bvh import face_tree, stars
+from kickdrift.world.deformables.self_collision.parallel_search import WORKERS
 
 Integers = NDArray[np.int64]
 
@@ -40,6 +41,7 @@ def arrange(tables: t.Tables, meshes: Sequence[ClothMesh]) -> None:
     tables.resize(t.BENDING_SUMS, -(-tables.count(t.PARTICLE) // PARTICLES_IN_CHUNK))
     for table in (t.CLOTH_TREE, t.NORMAL_TREE, t.CLOTH_TREE_NODE, t.TREE_NEIGHBOUR):
         tables.resize(table, 0)
+    tables.resize(t.VIEW, max(tables.count(t.VIEW), WORKERS))
     for table in (t.PARTICLE_PATH, t.STARTED_PATH):
         tables.resize(table, tables.count(t.PARTICLE))
     for table in (t.CLOTH_SEARCH, t.STARTED_SEARCH):

@@ -4,13 +4,15 @@ from typing import Any, NamedTuple
 
 from kickdrift.core.compilation import Function
 from kickdrift.world.contacts import contact_solver_simd
-from kickdrift.world.contacts.layout import AIM_JOINTS, REPAIR_POSES, SOLVE_EQUATIONS
+from kickdrift.world.contacts.layout import AIM_JOINTS, REPAIR_POSES, SEARCH_LOOP, SOLVE_EQUATIONS
 from kickdrift.world.contacts.sequential_impulses import THREADED, solve
 from kickdrift.world.deformables.body_contacts.contact_solver import CONTACTS
 from kickdrift.world.deformables.cloth_step import move_cloths
 from kickdrift.world.deformables.forces.bending import COUPLE, TURN
 from kickdrift.world.deformables.forces.membrane import MEMBRANE
 from kickdrift.world.deformables.particle_fields import DRIFT, KICK
+from kickdrift.world.deformables.self_collision.parallel_search import SIGNATURE as SEARCH
+from kickdrift.world.deformables.self_collision.parallel_search import search_threaded
 from kickdrift.world.direct.active_set import solve_island
 from kickdrift.world.direct.island_calls import AIM, REPAIR, SOLVE
 from kickdrift.world.direct.island_right_hand_sides import aim_joints
@@ -29,8 +31,9 @@ class Kernel(NamedTuple):
 
 
 # Loops that threads share
-_CLOTHS = tuple(
-    Kernel(loop.column, loop.threaded, loop.signature) for loop in (MEMBRANE, COUPLE, TURN, KICK, CONTACTS, DRIFT)
+_CLOTHS = (
+    *(Kernel(loop.column, loop.threaded, loop.signature) for loop in (MEMBRANE, COUPLE, TURN, KICK, CONTACTS, DRIFT)),
+    Kernel(SEARCH_LOOP, search_threaded, SEARCH),
 )
 _CONTACTS = tuple(
     Kernel(column, function, contact_solver_simd.KERNEL) for column, function in contact_solver_simd.KERNELS.items()

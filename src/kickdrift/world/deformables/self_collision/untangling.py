@@ -14,7 +14,6 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import (
     CORNERS,
     CROSSING_COUNT,
-    CROSSINGS,
     PAIR_FACES,
     PAIR_KIND,
     PAIR_PARTICLES,
@@ -22,7 +21,7 @@ from kickdrift.world.deformables.layout import (
 )
 from kickdrift.world.deformables.self_collision.pair_rows import NO_ROOM, add_pair
 from kickdrift.world.deformables.self_collision.proximity import barycentric
-from kickdrift.world.tables import CLOTH_PAIR, CLOTH_SEARCH, FACE, PARTICLE, PARTICLE_SHIFT, ZONE, floats, integers
+from kickdrift.world.tables import CLOTH_PAIR, FACE, PARTICLE, PARTICLE_SHIFT, ZONE, floats, integers
 
 CROSSING = 2  # kind of a pair of triangles
 # Of the speed at which triangles are pushed apart: for each edge, and for all crossings of a particle together, so that a
@@ -46,7 +45,6 @@ def note_crossing(world: int, f: int, g: int) -> bool:
     pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1], pair[row, PAIR_KIND] = f, g, CROSSING
     for k in range(4):  # a row may have been that of particles that are no more
         pair[row, PAIR_PARTICLES + k] = integers(world, FACE)[f, CORNERS]
-    tangle(world, f, g)
     return True
 
 
@@ -57,7 +55,6 @@ def tangle(world: int, f: int, g: int) -> None:
     for k in range(3):
         zone[face[f, CORNERS + k], CROSSING_COUNT] += 1
         zone[face[g, CORNERS + k], CROSSING_COUNT] += 1
-    floats(world, CLOTH_SEARCH)[0, CROSSINGS] += 1.0
 
 
 @compiled
