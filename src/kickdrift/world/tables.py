@@ -134,7 +134,7 @@ STARTED_SEARCH, STARTED_PATH = Table(112, CLOTH_SEARCH.width), Table(113, PARTIC
 BENDING_SUMS = Table(116, 9)  # of each chunk of particles: see `kickdrift.world.deformables.forces.bending`
 # See `kickdrift.world.deformables.self_collision.parallel_search`
 SEARCH_TASK, FOUND_PAIR = Table(117, 8, whole=True), Table(118, CLOTH_PAIR.width, whole=True)
-FOUND_PAIR_NUMBERS = Table(119, CLOTH_PAIR_NUMBERS.width)
+FOUND_PAIR_NUMBERS, NEAR_PAIR = Table(119, CLOTH_PAIR_NUMBERS.width), Table(120, 1, whole=True)
 STARTED_PAIR, STARTED_PAIR_NUMBERS = Table(114, CLOTH_PAIR.width, whole=True), Table(115, CLOTH_PAIR_NUMBERS.width)
 CONTACT_LANES, CONTACT_LANE_PARTICLES = Table(110, 64), Table(111, 8, whole=True)  # eight contacts each
 CLOTH_NEAR = Table(79, 1)  # shapes, and triangles of one, that are near a cloth
@@ -220,7 +220,7 @@ def flat_integers(world: int, table: Table) -> Any:
 
 # Tables that are given at least as much room as another one
 _COMPANIONS = {CONTACT: (MANIFOLD,), LINK: (LINK_NUMBERS,)}
-_COMPANIONS |= {CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,), CLOTH_PAIR: (CLOTH_PAIR_NUMBERS,)}
+_COMPANIONS |= {CLOTH_CONTACT: (CLOTH_CONTACT_NUMBERS,), CLOTH_PAIR: (CLOTH_PAIR_NUMBERS, NEAR_PAIR)}
 _COMPANIONS |= {CONTACT_LANES: (CONTACT_LANE_PARTICLES,), STARTED_PAIR: (STARTED_PAIR_NUMBERS,)}
 _COMPANIONS |= {FOUND_PAIR: (FOUND_PAIR_NUMBERS,)}
 _TABLES = {table.place: table for table in list(globals().values()) if isinstance(table, Table)}

@@ -64,6 +64,7 @@ KICK_LOOP = column(KERNEL_ADDRESSES)
 CONTACT_LOOP = column(KERNEL_ADDRESSES)
 DRIFT_LOOP = column(KERNEL_ADDRESSES)
 SEARCH_LOOP = column(KERNEL_ADDRESSES)
+LAY_LOOP = column(KERNEL_ADDRESSES)
 
 # Numbers of a point of a manifold
 _POINT = Fields()

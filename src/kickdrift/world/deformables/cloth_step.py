@@ -41,7 +41,8 @@ from kickdrift.world.deformables.particle_fields import drift_particles, fill_la
 from kickdrift.world.deformables.pins import carry_pins, pull_bodies
 from kickdrift.world.deformables.self_collision.cloth_pairs import find_cloth_pairs, meets
 from kickdrift.world.deformables.self_collision.continuous_collision import stop_crossings
-from kickdrift.world.deformables.self_collision.pair_impulses import approach, begin_interval, hold_pairs, resolve_pairs
+from kickdrift.world.deformables.self_collision.near_pairs import begin_interval
+from kickdrift.world.deformables.self_collision.pair_impulses import approach, hold_pairs, resolve_pairs
 from kickdrift.world.deformables.self_collision.swept_bounds import find_strays, set_frame
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.step.status import report_cloth
@@ -157,7 +158,8 @@ def _meet(world: int, turn: int, h: float, interval: float, part: float) -> bool
         if not find_cloth_pairs(world, h, interval):
             return False
         for sweep in range(_SWEEPS):
-            resolve_pairs(world, interval, part, floats(world, SETTINGS)[0, PUSH_SPEED] if sweep == 0 else 0.0)
+            push = floats(world, SETTINGS)[0, PUSH_SPEED] if sweep == 0 else 0.0
+            resolve_pairs(world, interval, part, push, sweep == 0)
     else:
         for _ in range(_SEARCHES):
             if not find_cloth_pairs(world, h, interval):
@@ -174,8 +176,8 @@ def _meet(world: int, turn: int, h: float, interval: float, part: float) -> bool
 @compiled
 def _stop(world: int, part: float) -> None:
     """Stop approaching pairs at the end of the substep, including particles that impulses between cloths press onto bodies."""
-    for _ in range(_LAST_SWEEPS if meets(world) else 0):
-        resolve_pairs(world, part, part, 0.0)
+    for sweep in range(_LAST_SWEEPS if meets(world) else 0):
+        resolve_pairs(world, part, part, 0.0, sweep == 0)
         for cloth in range(rows(world, CLOTH)):
             resolve_contacts(world, cloth, part, 0.0, 0.0)
 

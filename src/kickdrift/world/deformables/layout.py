@@ -252,6 +252,7 @@ TRAVELLED = column(
 )  # how far particles have moved against each other at most, since pairs were sought
 FIRST_HELD = column(CLOTH_SEARCH)  # pair, or `NONE_HELD`
 CROSSINGS = column(CLOTH_SEARCH)  # number of pairs of triangles that cross
+NEAR_AHEAD = column(CLOTH_SEARCH, 1, "m")  # relative displacement of particles for which NEAR_PAIR lists the near pairs
 
 # Values of SEARCH_STATE
 INVALID = 0.0  # nothing is known

@@ -11,6 +11,7 @@ from kickdrift.world.deformables.cloth_step import move_cloths
 from kickdrift.world.deformables.forces.bending import COUPLE, TURN
 from kickdrift.world.deformables.forces.membrane import MEMBRANE
 from kickdrift.world.deformables.particle_fields import DRIFT, KICK
+from kickdrift.world.deformables.self_collision.near_pairs import LAY
 from kickdrift.world.deformables.self_collision.parallel_search import SIGNATURE as SEARCH
 from kickdrift.world.deformables.self_collision.parallel_search import search_threaded
 from kickdrift.world.direct.active_set import solve_island
@@ -32,7 +33,10 @@ class Kernel(NamedTuple):
 
 # Loops that threads share
 _CLOTHS = (
-    *(Kernel(loop.column, loop.threaded, loop.signature) for loop in (MEMBRANE, COUPLE, TURN, KICK, CONTACTS, DRIFT)),
+    *(
+        Kernel(loop.column, loop.threaded, loop.signature)
+        for loop in (MEMBRANE, COUPLE, TURN, KICK, CONTACTS, DRIFT, LAY)
+    ),
     Kernel(SEARCH_LOOP, search_threaded, SEARCH),
 )
 _CONTACTS = tuple(

@@ -12,7 +12,8 @@ from kickdrift.core.vectors import Vector, dot, length, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import PAIR_APART, PAIR_KIND, PAIR_SEEN, PARTICLE_VELOCITY, TRAVELLED
 from kickdrift.world.deformables.self_collision.impact_zones import begin_zones, join_zone, move_zones
-from kickdrift.world.deformables.self_collision.pair_impulses import add, give_late, is_free, mobility, particles_of
+from kickdrift.world.deformables.self_collision.near_pairs import is_free, mobility, particles_of
+from kickdrift.world.deformables.self_collision.pair_impulses import add, give_late
 from kickdrift.world.deformables.self_collision.proximity import Ways, Weights, closing, less_mean, mix, mixed, nearest
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING

@@ -3,12 +3,12 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times
+from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import (
-    CROSSING_COUNT,
     FIRST_HELD,
     INTERVAL,
+    NEAR_AHEAD,
     NEXT_HELD,
     NONE_HELD,
     PAIR_APART,
@@ -16,65 +16,49 @@ from kickdrift.world.deformables.layout import (
     PAIR_FRICTION,
     PAIR_GIVES,
     PAIR_KIND,
-    PAIR_LAID,
     PAIR_NORMAL,
-    PAIR_PARTICLES,
-    PAIR_SEEN,
     PAIR_WEIGHTS,
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
-    TRAVELLED,
 )
-from kickdrift.world.deformables.self_collision.proximity import (
-    EDGE_EDGE,
-    Corners,
-    Weights,
-    closing,
-    less_mean,
-    mixed,
-    nearest,
-)
+from kickdrift.world.deformables.self_collision.near_pairs import is_laid, note_near, particles_of
+from kickdrift.world.deformables.self_collision.proximity import Corners, Weights, closing, less_mean, mixed
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING, untangle
 from kickdrift.world.tables import (
     CLOTH_PAIR,
     CLOTH_PAIR_NUMBERS,
     CLOTH_SEARCH,
+    NEAR_PAIR,
     PARTICLE,
     PARTICLE_SHIFT,
-    ZONE,
     Table,
     floats,
     integers,
     rows,
 )
 
-_ABOVE = 0.99**2  # square of the cosine to the normal above which a vertex counts as above a triangle
-_TOUCHING = 1.1  # of its distance: a pair that is closer at the start of an interval is held during it
 _SOFT = 0.25  # fraction of the violation that is corrected in an interval
 
 
 @compiled
-def resolve_pairs(world: int, interval: float, part: float, push: float) -> None:
+def resolve_pairs(world: int, interval: float, part: float, push: float, afresh: bool) -> None:
     """Stop pairs that would come closer than their distance in an interval, s, by impulses that act in its last part, s.
 
-    Triangles that cross are moved apart, at most with the speed `push`, m/s, without gaining velocity.
+    Triangles that cross are moved apart, at most with the speed `push`, m/s, without gaining velocity. Pairs that are near are
+    listed `afresh`, or else again once velocities have grown.
     """
     if rows(world, CLOTH_PAIR) == 0:
         return
-    pair, numbers = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
-    travelled, ahead = floats(world, CLOTH_SEARCH)[0, TRAVELLED], travels(world, interval)
-    for row in range(rows(world, CLOTH_PAIR)):
+    pair, numbers, near = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), integers(world, NEAR_PAIR)
+    ahead = travels(world, interval)
+    if afresh or not ahead <= floats(world, CLOTH_SEARCH)[0, NEAR_AHEAD]:
+        note_near(world, ahead)
+    for k in range(rows(world, NEAR_PAIR)):
+        row = near[k, 0]
         if pair[row, PAIR_KIND] == CROSSING:
             untangle(world, row, interval * push)
-            continue
-        if numbers[row, PAIR_LAID] != travelled:
-            least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
-            if not least < numbers[row, PAIR_DISTANCE] + ahead or is_free(world, row):
-                continue
-            _lay(world, row)
-            numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
-        if numbers[row, PAIR_GIVES] > 0.0:
+        elif is_laid(world, row, ahead) and numbers[row, PAIR_GIVES] > 0.0:
             _resolve(world, row, interval, part)
 
 
@@ -97,29 +81,6 @@ def approach(world: int, h: float) -> float:
 
 
 @compiled
-def begin_interval(world: int) -> None:
-    """List the pairs that touch at the start of an interval, and compute their nearest points and normals."""
-    pair, numbers, search = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), floats(world, CLOTH_SEARCH)
-    search[0, FIRST_HELD], last, travelled = NONE_HELD, NONE_HELD, search[0, TRAVELLED]
-    for row in range(rows(world, CLOTH_PAIR)):
-        least, touches = (
-            numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN]),
-            _TOUCHING * numbers[row, PAIR_DISTANCE],
-        )
-        if pair[row, PAIR_KIND] == CROSSING or not least < touches or is_free(world, row):
-            continue
-        _lay(world, row)
-        numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
-        if numbers[row, PAIR_APART] < touches and numbers[row, PAIR_GIVES] > 0.0:
-            pair[row, NEXT_HELD] = NONE_HELD
-            if last == NONE_HELD:
-                search[0, FIRST_HELD] = row
-            else:
-                pair[last, NEXT_HELD] = row
-            last = row
-
-
-@compiled
 def hold_pairs(world: int, part: float, push: float) -> None:
     """Apply impulses that keep pairs that touch from approaching in a part of an interval, s.
 
@@ -138,50 +99,6 @@ def hold_pairs(world: int, part: float, push: float) -> None:
         impulse = _stopping(world, row, mixed(weights, particle, at, PARTICLE_VELOCITY), -max(gap, 0.0) / part)
         add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
         row = pair[row, NEXT_HELD]
-
-
-@compiled(inline=True)
-def particles_of(world: int, row: int) -> Corners:
-    """Return the particles of a pair."""
-    pair = integers(world, CLOTH_PAIR)
-    return (
-        pair[row, PAIR_PARTICLES],
-        pair[row, PAIR_PARTICLES + 1],
-        pair[row, PAIR_PARTICLES + 2],
-        pair[row, PAIR_PARTICLES + 3],
-    )
-
-
-@compiled(inline=True)
-def is_free(world: int, row: int) -> bool:
-    """Whether a particle of a pair is tangled, so that it may pass."""
-    zone, (p, a, b, c) = integers(world, ZONE), particles_of(world, row)
-    tangled: bool = (
-        zone[p, CROSSING_COUNT] + zone[a, CROSSING_COUNT] + zone[b, CROSSING_COUNT] + zone[c, CROSSING_COUNT] > 0
-    )
-    return tangled
-
-
-@compiled
-def _lay(world: int, row: int) -> None:
-    """Compute the nearest points, normal and mobility of a pair, which are kept while impulses change its velocities."""
-    particle, numbers = floats(world, PARTICLE), floats(world, CLOTH_PAIR_NUMBERS)
-    at = particles_of(world, row)
-    p, a, b, c = at
-    weights, way = nearest(
-        integers(world, CLOTH_PAIR)[row, PAIR_KIND],
-        vector_at(particle, p, 0),
-        vector_at(particle, a, 0),
-        vector_at(particle, b, 0),
-        vector_at(particle, c, 0),
-    )
-    apart = length(way)
-    takes = apart > 0.0 and not _is_beside(world, row, weights, way)
-    numbers[row, PAIR_APART], numbers[row, PAIR_GIVES] = apart, mobility(world, at, weights) if takes else 0.0
-    for k in range(4):
-        numbers[row, PAIR_WEIGHTS + k] = weights[k]
-    for k in range(3):
-        numbers[row, PAIR_NORMAL + k] = way[k] / apart
 
 
 @compiled
@@ -222,31 +139,6 @@ def _weights(numbers: Any, row: int) -> Weights:
         numbers[row, PAIR_WEIGHTS + 2],
         numbers[row, PAIR_WEIGHTS + 3],
     )
-
-
-@compiled
-def _is_beside(world: int, row: int, weights: Weights, way: Vector) -> bool:
-    """Whether a pair is closest at the end of an edge, or beside a triangle and not above it.
-
-    There another pair is as close. If such pairs were resolved, sliding sheets would catch on edges.
-    """
-    if weights[0] != 0.0 and weights[1] != 0.0 and weights[2] != 0.0 and weights[3] != 0.0:
-        return False
-    if integers(world, CLOTH_PAIR)[row, PAIR_KIND] == EDGE_EDGE:
-        return True
-    particle, (_, a, b, c) = floats(world, PARTICLE), particles_of(world, row)
-    origin = vector_at(particle, a, 0)
-    n = cross(minus(vector_at(particle, b, 0), origin), minus(vector_at(particle, c, 0), origin))
-    return dot(n, way) ** 2 < _ABOVE * dot(n, n) * dot(way, way)
-
-
-@compiled(inline=True)
-def mobility(world: int, at: Corners, weights: Weights) -> float:
-    """Return the change of the relative velocity of the points of a pair by a unit impulse between them, 1/kg."""
-    particle, total = floats(world, PARTICLE), 0.0
-    for k in range(4):
-        total += weights[k] * weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]
-    return total
 
 
 @compiled(inline=True)

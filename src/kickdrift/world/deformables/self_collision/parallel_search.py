@@ -39,6 +39,8 @@ from kickdrift.world.tables import (
 )
 
 WORKERS = 32
+# Between the first tasks of workers, modulo their number: folds are many tasks in a row, and threads get workers in a row
+_APART = 5
 _PARTS = 64  # of a tree, that the nodes of a task are of at most
 
 SIGNATURE = types.boolean(types.intp, types.intp, types.intp)
@@ -73,7 +75,7 @@ def _divide(world: int, a: int, b: int) -> bool:
 def _work(world: int, a: int, b: int, worker: int) -> None:
     """Do the tasks of a worker."""
     block, task, size = _enter(world, worker), integers(world, SEARCH_TASK), room(world, FOUND_PAIR) // WORKERS
-    for k in range(worker, rows(world, SEARCH_TASK), WORKERS):
+    for k in range(_APART * worker % WORKERS, rows(world, SEARCH_TASK), WORKERS):
         task[k, FIRST_FOUND] = worker * size + rows(block, CLOTH_PAIR)
         fits = walk(block, a, b, task[k, TASK_NODES], task[k, TASK_NODES + 1], 0)
         task[k, LAST_FOUND] = worker * size + rows(block, CLOTH_PAIR) if fits else NO_ROOM
