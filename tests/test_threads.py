@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
+from kickdrift.world import tables
 
 STEP = 1 / 60
 TOGETHER = 60  # seconds, after which a pool hangs
@@ -29,12 +30,12 @@ def forked(function, *arguments):
 
 
 def here(world):
-    world.advance(STEP, 10)
-    return world.position.copy()
+    world.advance(STEP, 5)
+    return np.concatenate((world.position, world.tables.array(tables.PARTICLE)[:, :3]))
 
 
-def anew():
-    return here(balls(threads=True))
+def anew(scene):
+    return here(scene(threads=True))
 
 
 def solved(system):
@@ -44,14 +45,22 @@ def solved(system):
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 
 
+def sheet(threads=False):
+    world = kd.World(threads=threads)
+    world.add_sphere(0.5, static=True)
+    world.add_cloth_grid((2.0, 2.0), (96, 96), position=(0, 0, 0.51))
+    return world
+
+
 @needs_fork
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of forks in processes that have threads
-def test_forked_processes_do_without_threads_and_give_the_same_bits():
-    world = balls(threads=True)
-    world.advance(STEP, 20)
-    for positions in forked(anew):
-        assert np.array_equal(positions, anew())
-    _inherited.append(world)
+@pytest.mark.parametrize("scene", [balls, sheet])
+def test_forked_processes_do_without_threads_and_give_the_same_bits(scene):
+    world = scene(threads=True)
+    world.advance(STEP, 2)
+    for positions in forked(anew, scene):
+        assert np.array_equal(positions, anew(scene))
+    _inherited[:] = [world]
     for positions in forked(_of_the_parent):
         assert np.array_equal(positions, here(copy_of(world)))
 
@@ -60,7 +69,11 @@ _inherited = []
 
 
 def _of_the_parent():
-    return here(_inherited[0])
+    world = _inherited[0]
+    before = world.snapshot()
+    found = here(world)
+    world.restore(before)
+    return found
 
 
 def copy_of(world):

@@ -14,8 +14,8 @@ from kickdrift.world.contacts.layout import WIDTH
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-GROUPS_IN_CHUNK = 64
-_COLOURS = 63  # largest number that chunks share
+GROUPS_IN_CHUNK = 128
+_SHARED = 63  # colours that several chunks may have
 # Of the largest number at rest, to which they are rounded: triangles of a grid differ by rounding errors
 _ROUNDING = 2.0**-40
 
@@ -81,14 +81,19 @@ def face_groups(triangles: Integers, rest: Floats) -> FaceGroups:
 def _colours(particles: Integers) -> Integers:
     """Return the colours of groups with these particles, (G, 24), one for each chunk of consecutive groups.
 
-    A chunk gets the first colour that no chunk with a common particle has; one of its own where all are taken.
+    A chunk gets the rarest colour that no chunk with a common particle has; a new one where all are taken.
     """
     colours, taken = np.zeros(len(particles), dtype=np.int64), np.zeros(particles.max() + 1, dtype=np.uint64)
+    counts: list[int] = []
     for begin in range(0, len(particles), GROUPS_IN_CHUNK):
         own = np.unique(particles[begin : begin + GROUPS_IN_CHUNK])
-        free = ~int(np.bitwise_or.reduce(taken[own]))
-        colour = (free & -free).bit_length() - 1
-        if colour < _COLOURS:
+        near = int(np.bitwise_or.reduce(taken[own]))
+        free = [k for k in range(min(len(counts), _SHARED)) if not near >> k & 1]
+        colour = min(free, key=counts.__getitem__, default=len(counts))
+        if colour == len(counts):
+            counts.append(0)
+        if colour < _SHARED:
             taken[own] |= np.uint64(1 << colour)
-        colours[begin : begin + GROUPS_IN_CHUNK] = colour if colour < _COLOURS else _COLOURS + begin
+        counts[colour] += 1
+        colours[begin : begin + GROUPS_IN_CHUNK] = colour
     return colours

@@ -9,6 +9,8 @@ from kickdrift.world.deformables.layout import (
     CLOTH_FRICTION,
     CLOTH_RADIUS,
     CORNERS,
+    NEXT_HELD,
+    NONE_HELD,
     NOT_LAID,
     OWNED,
     PAIR_APART,
@@ -128,7 +130,7 @@ def _add(world: int, cloth: int, other: int, kind: int, at: Corners, f: int, g: 
     for k in range(4):
         pair[row, PAIR_PARTICLES + k] = at[k]
     pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1] = f, g
-    pair[row, PAIR_KIND], own[row, PAIR_DISTANCE] = kind, kept
+    pair[row, PAIR_KIND], pair[row, NEXT_HELD], own[row, PAIR_DISTANCE] = kind, NONE_HELD, kept
     own[row, PAIR_APART], own[row, PAIR_LAID] = _distance(floats(world, PARTICLE), kind, at), NOT_LAID
     own[row, PAIR_SEEN] = floats(world, CLOTH_SEARCH)[0, TRAVELLED]
     own[row, PAIR_FRICTION] = mixed_friction(numbers[cloth, CLOTH_FRICTION], numbers[other, CLOTH_FRICTION])

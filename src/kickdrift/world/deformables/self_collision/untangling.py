@@ -14,6 +14,8 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import (
     CORNERS,
     CROSSING_COUNT,
+    NEXT_HELD,
+    NONE_HELD,
     PAIR_FACES,
     PAIR_KIND,
     PAIR_PARTICLES,
@@ -43,6 +45,7 @@ def note_crossing(world: int, f: int, g: int) -> bool:
         return False
     pair = integers(world, CLOTH_PAIR)
     pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1], pair[row, PAIR_KIND] = f, g, CROSSING
+    pair[row, NEXT_HELD] = NONE_HELD
     for k in range(4):  # a row may have been that of particles that are no more
         pair[row, PAIR_PARTICLES + k] = integers(world, FACE)[f, CORNERS]
     return True
