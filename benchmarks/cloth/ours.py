@@ -3,6 +3,8 @@
 import time
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import Delaunay
 
 from benchmarks.cloth.scene import DAMPING, DENSITY, FRAME, HEIGHT, RADIUS, SIZE, THICKNESS, Draped
 from kickdrift.world import tables
@@ -21,10 +23,12 @@ class Kickdrift(Draped):
         Particles on a side.
     meets : bool
         Whether it collides with itself.
+    threads : bool
+        Whether Numba's threads share the work.
     """
 
-    def __init__(self, side: int, meets: bool) -> None:
-        self._world = World()
+    def __init__(self, side: int, meets: bool, threads: bool = False) -> None:
+        self._world = World(threads=threads)
         self._world.add_plane()
         self._world.add_sphere(RADIUS, position=(0, 0, RADIUS), static=True)
         self._world.add_cloth_grid(
@@ -43,14 +47,16 @@ class Kickdrift(Draped):
 
 
 class Hanging:
-    """A square of cloth that hangs by one side, with triangles of 1 cm."""
+    """A square of cloth that hangs by one side, with triangles of 1 cm: a grid, or an irregular mesh."""
 
-    def __init__(self, side: int) -> None:
-        self.world, self.count, self._side = World(), side * side, side
-        self._sheet = self.world.add_cloth_grid(
-            (_SPACING * side, _SPACING * side), (side, side), damping=1e-3, self_collision=False
-        )
-        self._sheet.pin(np.arange(side))
+    def __init__(self, side: int, irregular: bool = False) -> None:
+        self.world, self.count, size = World(), side * side, _SPACING * side
+        if irregular:
+            vertices, triangles = _irregular(side)
+            sheet = self.world.add_cloth(size * vertices, triangles, damping=1e-3, self_collision=False)
+        else:
+            sheet = self.world.add_cloth_grid((size, size), (side, side), damping=1e-3, self_collision=False)
+        sheet.pin(np.arange(side))
 
     def part_cost(self, frames: int) -> float:
         """Return nanoseconds of a particle and part, over so many frames."""
@@ -60,8 +66,17 @@ class Hanging:
         return (time.perf_counter() - started) / (frames * parts * self.count) * 1e9
 
 
-def hanging(side: int) -> Hanging:
+def _irregular(side: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return a Delaunay triangulation of a unit square, of grid points of which the inner ones are moved at random."""
+    rng, along = np.random.default_rng(0), np.linspace(0.0, 1.0, side)
+    points = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+    inner = ((points > 0.0) & (points < 1.0)).all(axis=1)
+    points[inner] += rng.uniform(-0.2, 0.2, (int(inner.sum()), 2)) / (side - 1)
+    return np.pad(points, ((0, 0), (0, 1))), Delaunay(points).simplices.astype(np.int64)
+
+
+def hanging(side: int, irregular: bool = False) -> Hanging:
     """Return a cloth that has begun to hang."""
-    cloth = Hanging(side)
+    cloth = Hanging(side, irregular)
     cloth.world.advance(FRAME, 1)
     return cloth

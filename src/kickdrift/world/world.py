@@ -114,9 +114,10 @@ class World(
     sleep_speed, sleep_time : float
         m/s and s, see `sleeping`.
     threads : bool
-        Whether contacts are distributed over Numba's threads (``numba.set_num_threads``); results are bit-identical for any
-        number of them. Worthwhile from about a thousand bodies, on otherwise idle cores. Processes forked from one that has
-        used threads run on one thread.
+        Whether contacts and cloths are distributed over Numba's threads (``numba.set_num_threads``); results are
+        bit-identical for any number of them. Worthwhile from about a thousand bodies or 5000 particles of a cloth, on
+        otherwise idle cores. With Numba's threading layer `workqueue`, that of last resort, cloths take longer than on one
+        thread. Processes forked from one that has used threads run on one thread.
     plane_normal : (3,) array_like, optional
         Makes the world planar: bodies move only perpendicular to this direction, and turn only about it. Walls oblique to
         the plane push bodies within it, with the friction of a wedge in its groove. Surfaces nearly parallel to the plane
