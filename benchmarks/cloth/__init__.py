@@ -6,7 +6,7 @@ import numpy as np
 from numba import get_num_threads
 
 from benchmarks.cloth.ours import Kickdrift, hanging
-from benchmarks.cloth.peers import MuJoCo, PyPBD, Rapier
+from benchmarks.cloth.peers import MuJoCo, MuJoCoIPC, Newton, NewtonXPBD, PyPBD, Rapier
 from benchmarks.cloth.scene import FRAME, Draped
 from benchmarks.table import Bound, Missing, Row, at_least, at_most, measured, skipped
 from benchmarks.turns import Costs, in_turns, ratio
@@ -14,7 +14,10 @@ from benchmarks.turns import Costs, in_turns, ratio
 _SETTLING, _FRAMES = 60, 6  # before, and in a measurement
 _SIDES = (40, 100)
 _SCALE = {1000: 32, 10_000: 100, 100_000: 316}  # particles, to those on a side
-_PEERS: Mapping[str, Callable[[int, bool], Draped]] = {"rapier3d": Rapier, "MuJoCo flex": MuJoCo, "pyPBD": PyPBD}
+_PEERS: Mapping[str, Callable[[int, bool], Draped]] = {
+    "rapier3d": Rapier, "MuJoCo flex": MuJoCo, "MuJoCo flex, ipc": MuJoCoIPC, "pyPBD": PyPBD,
+    "Newton VBD": Newton, "Newton XPBD": NewtonXPBD,
+}  # fmt: skip
 _FIVE_TIMES = 5.0
 _LONG = 600  # frames of ten seconds
 
