@@ -81,7 +81,7 @@ ADJACENCY = Table(58, 1, whole=True)  # bits: which nodes are coupled
 # The sweeps
 COLOURS = Table(30, 4, whole=True)  # of contacts: see `kickdrift.world.contacts.layout`
 COLOURED = Table(31, 1, whole=True)  # for each body the set of colours of its contacts
-KERNEL_ADDRESSES = Table(34, 32, whole=True)  # one row: see `kickdrift.world.contacts.layout`
+KERNEL_ADDRESSES = Table(34, 24, whole=True)  # one row: see `kickdrift.world.contacts.layout`
 IMPACT = Table(59, 64)  # hits of a round of impacts: see `kickdrift.world.contacts.impacts.impact_rows`
 BOUNCING = Table(60, 3, whole=True)  # contacts that may bounce in this step
 STARTED_POSE = Table(32, POSE.width)  # POSE, MOTION and JOINT_NUMBERS at the start of the step

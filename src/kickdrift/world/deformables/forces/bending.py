@@ -22,7 +22,7 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, inverse_symmetric, length, minus, plus, times
-from kickdrift.world.columns import vector_at
+from kickdrift.world.columns import column, vector_at
 from kickdrift.world.contacts.layout import BENDING_LOOP, TURN_LOOP, WIDTH
 from kickdrift.world.deformables.chunks import chunked
 from kickdrift.world.deformables.forces.bending_simd import (
@@ -65,6 +65,7 @@ from kickdrift.world.tables import (
     integers,
 )
 
+column(BENDING_SUMS, 9)  # of a chunk: the sums of `_spin`
 _SUMS = 9 * WIDTH
 _TURNS = 1e-12  # rad^2: total bending below which the rotation of a cloth is undetermined
 
