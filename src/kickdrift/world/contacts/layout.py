@@ -56,15 +56,17 @@ LANE_COUNT = column(KERNEL_ADDRESSES)
 SOLVE_EQUATIONS = column(KERNEL_ADDRESSES)
 AIM_JOINTS = column(KERNEL_ADDRESSES)
 REPAIR_POSES = column(KERNEL_ADDRESSES)
-# Parallel loops of cloths, zero without threads: see `kickdrift.world.deformables.chunks`
-MEMBRANE_LOOP = column(KERNEL_ADDRESSES)
-BENDING_LOOP = column(KERNEL_ADDRESSES)
-TURN_LOOP = column(KERNEL_ADDRESSES)
-KICK_LOOP = column(KERNEL_ADDRESSES)
-CONTACT_LOOP = column(KERNEL_ADDRESSES)
-DRIFT_LOOP = column(KERNEL_ADDRESSES)
-SEARCH_LOOP = column(KERNEL_ADDRESSES)
-LAY_LOOP = column(KERNEL_ADDRESSES)
+# Functions of chunks of a cloth: see `kickdrift.world.deformables.chunks`
+MEMBRANE_CHUNK = column(KERNEL_ADDRESSES)
+COUPLING_CHUNK = column(KERNEL_ADDRESSES)
+TURNING_CHUNK = column(KERNEL_ADDRESSES)
+KICK_CHUNK = column(KERNEL_ADDRESSES)
+CONTACT_CHUNK = column(KERNEL_ADDRESSES)
+DRIFT_CHUNK = column(KERNEL_ADDRESSES)
+PAIR_CHUNK = column(KERNEL_ADDRESSES)
+# Of threads, zero without them
+THREADED_LOOP = column(KERNEL_ADDRESSES)
+THREADED_SEARCH = column(KERNEL_ADDRESSES)
 
 # Numbers of a point of a manifold
 _POINT = Fields()

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 GROUPS_IN_CHUNK = 128
-_SHARED = 63  # colours that several chunks may have
+_SHARED = 63  # bits of a word for the colours that several chunks may have; others have a single chunk each
 # Of the largest number at rest, to which they are rounded: triangles of a grid differ by rounding errors
 _ROUNDING = 2.0**-40
 

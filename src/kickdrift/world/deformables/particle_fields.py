@@ -2,8 +2,8 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector
-from kickdrift.world.contacts.layout import DRIFT_LOOP, KICK_LOOP, WIDTH
-from kickdrift.world.deformables.chunks import chunked
+from kickdrift.world.contacts.layout import DRIFT_CHUNK, KICK_CHUNK, WIDTH
+from kickdrift.world.deformables.chunks import Numbers, for_chunks
 from kickdrift.world.deformables.layout import (
     FIRST_PARTICLE,
     FORCES,
@@ -46,13 +46,13 @@ def fill_lanes(world: int, cloth: int) -> None:
 @compiled
 def drift_particles(world: int, part: float) -> None:
     """Move all particles with their velocities through a part of a substep, s, and copy their positions."""
-    _drift(world, 0, 0, rows(world, PARTICLE), (part,))
+    for_chunks(world, DRIFT_CHUNK, PARTICLES_IN_CHUNK, 0, 0, rows(world, PARTICLE), (part, 0.0, 0.0, 0.0, 0.0))
 
 
 @compiled
-def _drift_some(world: int, cloth: int, first: int, last: int, numbers: tuple[float]) -> None:
-    """Do the same for some particles."""
-    particle, (part,) = floats(world, PARTICLE), numbers
+def drift_some(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
+    """Do the same for some particles; the first of the numbers is the part."""
+    particle, part = floats(world, PARTICLE), numbers[0]
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     for i in range(first, last - WIDTH + 1, WIDTH):
         drift_lanes(particle, i, fields, PLACES * size + i, size, part)
@@ -68,15 +68,13 @@ def kick_by_forces(world: int, cloth: int, part: float, keep: float, fall: Vecto
 
     Their velocities are then multiplied by `keep`, and the forces set to zero.
     """
-    own = integers(world, CLOTH)
-    _kick(world, cloth, own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE], (part, keep, *fall))
+    first, last = integers(world, CLOTH)[cloth, FIRST_PARTICLE], integers(world, CLOTH)[cloth, LAST_PARTICLE]
+    for_chunks(world, KICK_CHUNK, PARTICLES_IN_CHUNK, cloth, first, last, (part, keep, *fall))
 
 
 @compiled
-def _kick_some(
-    world: int, cloth: int, first: int, last: int, numbers: tuple[float, float, float, float, float]
-) -> None:
-    """Do the same for some particles."""
+def kick_some(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
+    """Do the same for some particles; the numbers are the part, `keep` and `fall`."""
     particle, part, keep, fall = floats(world, PARTICLE), numbers[0], numbers[1], numbers[2:]
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     for i in range(first, last - WIDTH + 1, WIDTH):
@@ -103,8 +101,3 @@ def force_on(world: int, i: int) -> Vector:
 def add_force(world: int, i: int, k: int, force: float) -> None:
     """Add to a component of the force on a particle."""
     flat(world, PARTICLE_LANES)[(FORCES + k) * field_size(world) + i] += force
-
-
-DRIFT = chunked(_drift_some, "drift_loop", DRIFT_LOOP, PARTICLES_IN_CHUNK, 1)
-KICK = chunked(_kick_some, "kick_loop", KICK_LOOP, PARTICLES_IN_CHUNK, 5)
-_drift, _kick = DRIFT.run, KICK.run

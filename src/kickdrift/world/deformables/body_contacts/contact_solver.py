@@ -5,7 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot, length, minus, plus, times
 from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.layout import CONTACT_LOOP, WIDTH
+from kickdrift.world.contacts.layout import CONTACT_CHUNK, WIDTH
 from kickdrift.world.deformables.body_contacts.contact_motion import (
     give_impulse,
     ground_velocity,
@@ -18,7 +18,7 @@ from kickdrift.world.deformables.body_contacts.contact_solver_simd import resolv
 from kickdrift.world.deformables.body_contacts.load_path import IS_CARRIED
 from kickdrift.world.deformables.body_contacts.loaded_contacts import begin_loaded, resolve_loaded
 from kickdrift.world.deformables.body_contacts.tilt_stiffness import resist_tilting
-from kickdrift.world.deformables.chunks import chunked
+from kickdrift.world.deformables.chunks import Numbers, for_chunks
 from kickdrift.world.deformables.layout import (
     CLOTH_NORMAL,
     CLOTH_OFFSET,
@@ -75,7 +75,8 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
     row = first
     while row < last:
         if contact[row, IN_LANES] > 0:
-            _resolve_lanes(world, cloth, row // WIDTH, (row + contact[row, IN_LANES]) // WIDTH, (part, push, advance))
+            begin, end = row // WIDTH, (row + contact[row, IN_LANES]) // WIDTH
+            for_chunks(world, CONTACT_CHUNK, _ROWS_IN_CHUNK, cloth, begin, end, (part, push, advance, 0.0, 0.0))
         else:
             shared = shared or contact[row, OTHER_PARTICLE] != contact[row, TOUCHING_PARTICLE]
             if contact[row, ON_LOAD_PATH] == 0:
@@ -93,16 +94,12 @@ def resolve_contacts(world: int, cloth: int, part: float, push: float, left: flo
 
 
 @compiled
-def _resolve_rows(world: int, cloth: int, first: int, last: int, numbers: tuple[float, float, float]) -> None:
-    """Resolve the contacts in some rows of lanes, with the part, the speed of the push, and the time for which bodies move."""
+def resolve_rows(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
+    """Resolve the contacts in some rows of lanes; the numbers are part, push, and the time for which bodies move."""
     touching, lanes = flat_integers(world, CONTACT_LANE_PARTICLES), flat(world, CONTACT_LANES)
-    particle, (part, push, advance) = floats(world, PARTICLE), numbers
+    particle, part, push, advance = floats(world, PARTICLE), numbers[0], numbers[1], numbers[2]
     for row in range(first, last):
         resolve_lanes(touching, lanes, particle, row, part, push, advance)
-
-
-CONTACTS = chunked(_resolve_rows, "contact_loop", CONTACT_LOOP, _ROWS_IN_CHUNK, 3)
-_resolve_lanes = CONTACTS.run
 
 
 @compiled(inline=True)

@@ -23,8 +23,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, applied, cross, dot, inverse_symmetric, length, minus, plus, times
 from kickdrift.world.columns import column, vector_at
-from kickdrift.world.contacts.layout import BENDING_LOOP, TURN_LOOP, WIDTH
-from kickdrift.world.deformables.chunks import chunked
+from kickdrift.world.contacts.layout import COUPLING_CHUNK, TURNING_CHUNK, WIDTH
+from kickdrift.world.deformables.chunks import Numbers, for_chunks
 from kickdrift.world.deformables.forces.bending_simd import (
     are_pairs,
     couple_damped_lanes,
@@ -82,22 +82,23 @@ def add_bending(world: int, cloth: int, share: float, damped: float) -> None:
     if stiffness == 0.0:
         return
     first, last = own[cloth, FIRST_PARTICLE], own[cloth, LAST_PARTICLE]
-    _couple(world, cloth, first, last, (stiffness, ahead))
+    for_chunks(world, COUPLING_CHUNK, PARTICLES_IN_CHUNK, cloth, first, last, (stiffness, ahead, 0.0, 0.0, 0.0))
     if ahead > 0.0:
-        _turn(world, cloth, first, last, times(stiffness * ahead, _spin(world, last - first)))
+        x, y, z = times(stiffness * ahead, _spin(world, last - first))
+        for_chunks(world, TURNING_CHUNK, PARTICLES_IN_CHUNK, cloth, first, last, (x, y, z, 0.0, 0.0))
     if own[cloth, FIRST_CURVED] < own[cloth, LAST_CURVED]:
         _add_rest(world, cloth, stiffness)
 
 
 @compiled
-def _couple_some(world: int, cloth: int, begin: int, end: int, numbers: tuple[float, float]) -> None:
-    """Add the forces between coupled particles to those on some of them: stiffness, and by how much they are extrapolated.
+def couple_some(world: int, cloth: int, begin: int, end: int, numbers: Numbers) -> None:
+    """Add the forces between coupled particles to those on some; the numbers are the stiffness and how far to extrapolate.
 
     Consecutive particles with the same couplings are processed eight at a time; those of the last eight that have been
     processed already are skipped. The sums of `_spin` over them are written to `BENDING_SUMS`.
     """
     own, ranges = integers(world, CLOTH), integers(world, PARTICLE_COUPLINGS)
-    fields, size, (stiffness, ahead) = flat(world, PARTICLE_LANES), field_size(world), numbers
+    fields, size, stiffness, ahead = flat(world, PARTICLE_LANES), field_size(world), numbers[0], numbers[1]
     offsets, weights = flat_integers(world, COUPLING), flat(world, COUPLING_NUMBERS)
     start, origin = own[cloth, FIRST_COUPLING], own[cloth, FIRST_PARTICLE]
     sums = carray(floats_on_stack(_SUMS), (_SUMS,))
@@ -183,20 +184,15 @@ def _spin(world: int, count: int) -> Vector:
 
 
 @compiled
-def _turn_some(world: int, cloth: int, begin: int, end: int, numbers: Vector) -> None:
-    """Subtract the damping of the rotation of the frame, at some angular velocity, from the forces on some particles."""
-    fields, size, (x, y, z) = flat(world, PARTICLE_LANES), field_size(world), numbers
+def turn_some(world: int, cloth: int, begin: int, end: int, numbers: Numbers) -> None:
+    """Subtract the damping of the rotation of the frame, the first three numbers, from the forces on some particles."""
+    fields, size, x, y, z = flat(world, PARTICLE_LANES), field_size(world), numbers[0], numbers[1], numbers[2]
     for i in range(begin, end - WIDTH + 1, WIDTH):
         turn_lanes(fields, size, i, x, y, z)
     for i in range(end - (end - begin) % WIDTH, end):
         back = cross((x, y, z), _vector(fields, size, CURVES, i))
         for k in range(3):
             add_force(world, i, k, -back[k])
-
-
-COUPLE = chunked(_couple_some, "bending_loop", BENDING_LOOP, PARTICLES_IN_CHUNK, 2)
-TURN = chunked(_turn_some, "turn_loop", TURN_LOOP, PARTICLES_IN_CHUNK, 3)
-_couple, _turn = COUPLE.run, TURN.run
 
 
 @compiled

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, minus
 from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.layout import MEMBRANE_LOOP
-from kickdrift.world.deformables.chunks import chunked
+from kickdrift.world.contacts.layout import MEMBRANE_CHUNK
+from kickdrift.world.deformables.chunks import Numbers, for_chunks
 from kickdrift.world.deformables.face_groups import GROUPS_IN_CHUNK
 from kickdrift.world.deformables.forces.membrane_simd import add_membrane_of_any, add_membrane_of_rows
 from kickdrift.world.deformables.layout import (
@@ -66,14 +66,15 @@ def add_membrane(world: int, cloth: int, share: float, damped: float) -> None:
     own, group = integers(world, CLOTH), integers(world, FACE_GROUP)
     g = own[cloth, FIRST_GROUP]
     while g < own[cloth, LAST_GROUP]:
-        _add_groups(world, cloth, g, group[g, AFTER_COLOUR], (share, damped))
+        numbers = (share, damped, 0.0, 0.0, 0.0)
+        for_chunks(world, MEMBRANE_CHUNK, GROUPS_IN_CHUNK, cloth, g, group[g, AFTER_COLOUR], numbers)
         g = group[g, AFTER_COLOUR]
 
 
 @compiled
-def _add_some(world: int, cloth: int, first: int, last: int, numbers: tuple[float, float]) -> None:
-    """Do the same for some groups of triangles."""
-    own, group, (share, damped) = floats(world, CLOTH_NUMBERS), integers(world, FACE_GROUP), numbers
+def add_some_groups(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
+    """Do the same for some groups of triangles; `numbers` are the share and `damped`."""
+    own, group, share, damped = floats(world, CLOTH_NUMBERS), integers(world, FACE_GROUP), numbers[0], numbers[1]
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     corners, rest, strain = flat_integers(world, FACE_GROUP), flat(world, GROUP_REST), flat(world, GROUP_STRAIN)
     stretch, shear = own[cloth, STRETCH], own[cloth, SHEAR]
@@ -84,10 +85,6 @@ def _add_some(world: int, cloth: int, first: int, last: int, numbers: tuple[floa
             add_membrane_of_rows(fields, size, corners, begin, rest, of, strain, at, stretch, shear, share, ahead)
         else:
             add_membrane_of_any(fields, size, corners, begin, rest, of, strain, at, stretch, shear, share, ahead)
-
-
-MEMBRANE = chunked(_add_some, "membrane_loop", MEMBRANE_LOOP, GROUPS_IN_CHUNK, 2)
-_add_groups = MEMBRANE.run
 
 
 @compiled

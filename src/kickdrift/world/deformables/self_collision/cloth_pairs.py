@@ -8,7 +8,7 @@ Until then only pairs of triangles with a corner that has left its path are soug
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.contacts.layout import SEARCH_LOOP
+from kickdrift.world.contacts.layout import THREADED_SEARCH
 from kickdrift.world.deformables.layout import (
     CROSSING_COUNT,
     CROSSINGS,
@@ -51,7 +51,7 @@ from kickdrift.world.tables import (
 
 _MOST_STRAYS = 0.5  # of all particles: if more have left their paths, the motion of all is predicted anew
 _LONGEST, _REACH = 64.0, 2.5  # longest time of a search in substeps, and mean way of particles in it in skins
-_FEWEST = 1024  # nodes of a tree from which on threads search
+_FEWEST = 1024  # nodes of the larger tree from which on threads search
 _FASTEST = 1e6  # m/s, root mean square: faster cloths are about to be lost, and everything would be pairs
 
 
@@ -92,8 +92,9 @@ def find_cloth_pairs(world: int, h: float, part: float) -> bool:
 @compiled
 def _search(world: int, a: int, b: int) -> bool:
     """Find the pairs of two cloths, or of one with itself; False if there is no room."""
-    threaded, own = integers(world, KERNEL_ADDRESSES)[0, SEARCH_LOOP], integers(world, CLOTH)
-    if threaded != 0 and own[a, LAST_NODE] - own[a, FIRST_NODE] > _FEWEST:
+    threaded, own = integers(world, KERNEL_ADDRESSES)[0, THREADED_SEARCH], integers(world, CLOTH)
+    nodes = max(own[a, LAST_NODE] - own[a, FIRST_NODE], own[b, LAST_NODE] - own[b, FIRST_NODE])
+    if threaded != 0 and nodes > _FEWEST:
         fits: bool = call_search(threaded, (world, a, b))
         return fits
     return walk(world, a, b, 0, 0, 0)

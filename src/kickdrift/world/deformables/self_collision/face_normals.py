@@ -49,9 +49,23 @@ def is_flat_around(world: int, f: int, k: int) -> bool:
     face, zone = integers(world, FACE), integers(world, ZONE)
     i = face[f, CORNERS + k]
     if zone[i, STAR] == NOT_KNOWN:
-        zone[i, STAR] = FLAT if _have_one_side(world, 3 * f + k) else FOLDED
+        zone[i, STAR] = FLAT if _have_one_side(world, _first_corner(world, 3 * f + k)) else FOLDED
     flat: bool = zone[i, STAR] == FLAT
     return flat
+
+
+@compiled
+def _first_corner(world: int, corner: int) -> int:
+    """Return the corner with the lowest number around the particle of a corner, 3 f + k.
+
+    Sums begin there: threads may ask for the same particle at different corners, and find the same.
+    """
+    after, first, at = integers(world, FACE_STARS), corner, corner
+    while True:
+        at = after[at // 3, NEXT_AROUND + at % 3]
+        first = min(first, at)
+        if at == corner:
+            return first
 
 
 @compiled

@@ -3,8 +3,8 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus
 from kickdrift.world.columns import vector_at
-from kickdrift.world.contacts.layout import LAY_LOOP
-from kickdrift.world.deformables.chunks import chunked
+from kickdrift.world.contacts.layout import PAIR_CHUNK
+from kickdrift.world.deformables.chunks import Numbers, for_chunks
 from kickdrift.world.deformables.layout import (
     CROSSING_COUNT,
     FIRST_HELD,
@@ -75,7 +75,7 @@ def note_near(world: int, ahead: float) -> None:
     """
     pair, numbers, search = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS), floats(world, CLOTH_SEARCH)
     near, travelled, count, farther = integers(world, NEAR_PAIR), search[0, TRAVELLED], 0, _FARTHER * ahead
-    _lay_all(world, 0, 0, rows(world, CLOTH_PAIR), (ahead,))
+    for_chunks(world, PAIR_CHUNK, _PAIRS_IN_CHUNK, 0, 0, rows(world, CLOTH_PAIR), (ahead, 0.0, 0.0, 0.0, 0.0))
     for row in range(rows(world, CLOTH_PAIR)):
         if pair[row, PAIR_KIND] == CROSSING:
             wanted = True
@@ -91,9 +91,9 @@ def note_near(world: int, ahead: float) -> None:
 
 
 @compiled
-def _lay_some(world: int, cloth: int, first: int, last: int, numbers: tuple[float]) -> None:
-    """Compute the nearest points of some pairs that may come too close while particles move against each other by a way, m."""
-    pair, (ahead,) = integers(world, CLOTH_PAIR), numbers
+def lay_some(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
+    """Compute the nearest points of some pairs that may come too close on a way, m, the first of the numbers."""
+    pair, ahead = integers(world, CLOTH_PAIR), numbers[0]
     for row in range(first, last):
         if pair[row, PAIR_KIND] != CROSSING:
             is_laid(world, row, ahead)
@@ -118,10 +118,6 @@ def _may_touch(world: int, row: int, ahead: float) -> bool:
     least = numbers[row, PAIR_APART] - (travelled - numbers[row, PAIR_SEEN])
     near: bool = least < numbers[row, PAIR_DISTANCE] + ahead
     return near and not is_free(world, row)
-
-
-LAY = chunked(_lay_some, "lay_loop", LAY_LOOP, _PAIRS_IN_CHUNK, 1)
-_lay_all = LAY.run
 
 
 @compiled(inline=True)

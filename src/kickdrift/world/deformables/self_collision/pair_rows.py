@@ -3,7 +3,7 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.deformables.layout import TASK_NODES
 from kickdrift.world.step.status import ask_for_room
-from kickdrift.world.tables import CLOTH_PAIR, CLOTH_PAIR_NUMBERS, SEARCH_TASK, integers, room, rows, set_rows
+from kickdrift.world.tables import CLOTH_PAIR, CLOTH_PAIR_NUMBERS, SEARCH_TASK, floats, integers, room, rows, set_rows
 
 NO_ROOM = -1
 
@@ -17,11 +17,16 @@ def set_pairs(world: int, count: int) -> None:
 
 @compiled
 def add_pair(world: int) -> int:
-    """Add a pair, and return its row, or `NO_ROOM`."""
+    """Add a pair of zeros, and return its row, or `NO_ROOM`."""
     row = rows(world, CLOTH_PAIR)
     if row >= min(room(world, CLOTH_PAIR), room(world, CLOTH_PAIR_NUMBERS)):
         return NO_ROOM
     set_pairs(world, row + 1)
+    pair, numbers = integers(world, CLOTH_PAIR), floats(world, CLOTH_PAIR_NUMBERS)
+    for k in range(CLOTH_PAIR.width):
+        pair[row, k] = 0
+    for k in range(CLOTH_PAIR_NUMBERS.width):
+        numbers[row, k] = 0.0
     return row
 
 

@@ -41,7 +41,7 @@ from kickdrift.world.tables import (
 WORKERS = 32
 # Between the first tasks of workers, modulo their number: folds are many tasks in a row, and threads get workers in a row
 _APART = 5
-_PARTS = 64  # of a tree, that the nodes of a task are of at most
+_PARTS = 256  # the nodes of a task have at most this fraction of the rows of a tree
 
 SIGNATURE = types.boolean(types.intp, types.intp, types.intp)
 call_search = caller(SIGNATURE)
@@ -102,7 +102,7 @@ def _make_places(world: int) -> bool:
         task[k, PLACE_OF_FOUND] = count
         count += task[k, LAST_FOUND] - task[k, FIRST_FOUND]
     if not fits:
-        ask_for_room(world, FOUND_PAIR, 2 * room(world, FOUND_PAIR) + 64 * WORKERS)
+        ask_for_room(world, FOUND_PAIR, 2 * room(world, FOUND_PAIR) + 256 * WORKERS)
         return False
     if count > min(room(world, CLOTH_PAIR), room(world, CLOTH_PAIR_NUMBERS)):
         ask_for_room(world, CLOTH_PAIR, count)

@@ -53,7 +53,8 @@ def walk(world: int, a: int, b: int, m: int, n: int, largest: int) -> bool:
         if a == b and _are_one_piece(world, begin, m, n):
             continue
         left, right = one[m, ITEM] == BRANCH, other[n, ITEM] == BRANCH
-        if max(one[m, SKIP] - m, other[n, SKIP] - n) <= largest:
+        size = max(one[m, SKIP] - m, other[n, SKIP] - n)
+        if largest > 0 and (size <= largest or not (left or right)):
             fits = add_task(world, m, n)
             continue
         if not left and not right:

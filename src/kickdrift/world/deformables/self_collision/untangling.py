@@ -18,7 +18,6 @@ from kickdrift.world.deformables.layout import (
     NONE_HELD,
     PAIR_FACES,
     PAIR_KIND,
-    PAIR_PARTICLES,
     PARTICLE_INVERSE_MASS,
 )
 from kickdrift.world.deformables.self_collision.pair_rows import NO_ROOM, add_pair
@@ -46,8 +45,6 @@ def note_crossing(world: int, f: int, g: int) -> bool:
     pair = integers(world, CLOTH_PAIR)
     pair[row, PAIR_FACES], pair[row, PAIR_FACES + 1], pair[row, PAIR_KIND] = f, g, CROSSING
     pair[row, NEXT_HELD] = NONE_HELD
-    for k in range(4):  # a row may have been that of particles that are no more
-        pair[row, PAIR_PARTICLES + k] = integers(world, FACE)[f, CORNERS]
     return True
 
 
