@@ -1,5 +1,6 @@
 """The cloth on a ball in the hands of the peers, one thread each."""
 
+import logging
 import os
 from typing import Any
 
@@ -85,7 +86,7 @@ class Newton(Draped):
         if side > _LARGEST:
             raise Missing("it takes seconds for a frame")
         warp, library = package("warp"), package("newton")
-        warp.config.quiet = True
+        warp.config.log_level = logging.WARNING
         warp.set_device("cpu")
         builder, cells = library.ModelBuilder(), side - 1
         builder.add_ground_plane()
