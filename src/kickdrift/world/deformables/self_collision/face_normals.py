@@ -60,7 +60,9 @@ def _first_corner(world: int, corner: int) -> int:
 
     Sums begin there: threads may ask for the same particle at different corners, and find the same.
     """
-    after, first, at = integers(world, FACE_STARS), corner, corner
+    after = integers(world, FACE_STARS)
+    first: int = corner
+    at: int = corner
     while True:
         at = after[at // 3, NEXT_AROUND + at % 3]
         first = min(first, at)
