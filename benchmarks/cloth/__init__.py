@@ -77,7 +77,7 @@ def _ten_seconds(rounds: int) -> list[Row]:
         "at rest": frames[:, -60:].mean(axis=1),
     }
     over = (
-        f"{np.mean(least > 1e3 * FRAME):.0%} of the frames take longer than a frame; median {np.median(least):.3g} ms"
+        f"{np.mean(least > 1e3 * FRAME):.0%} of the frames take longer than 1/60 s; median {np.median(least):.3g} ms"
     )
     return [
         measured(f"{title} {name}", costs, at_most(1e3 * FRAME, "ms"), over if name == "a frame" else "")
