@@ -76,9 +76,7 @@ def _ten_seconds(rounds: int) -> list[Row]:
         "the slowest frame": frames.max(axis=1),
         "at rest": frames[:, -60:].mean(axis=1),
     }
-    over = (
-        f"{np.mean(least > 1e3 * FRAME):.0%} of the frames take longer than 1/60 s; median {np.median(least):.3g} ms"
-    )
+    over = f"{np.mean(least > 1e3 * FRAME):.0%} of the frames take longer than 1/60 s; median {np.median(least):.3g} ms"
     return [
         measured(f"{title} {name}", costs, at_most(1e3 * FRAME, "ms"), over if name == "a frame" else "")
         for name, costs in parts.items()
