@@ -11,9 +11,8 @@ from benchmarks.peers import package
 from benchmarks.table import Missing
 
 _STEP = 0.002  # s, of MuJoCo: at 1/60 s its cloth is thrown about
-_LARGEST = (
-    40  # particles on a side in MuJoCo, which takes minutes to compile more, and seconds for a step; and in Newton
-)
+# Particles on a side in MuJoCo, which takes minutes to compile more, and seconds for a step; and in Newton
+_LARGEST = 40
 _SUBSTEPS = 5  # of pyPBD
 _NEWTONS_SUBSTEPS = 10
 
@@ -41,18 +40,17 @@ class Rapier(Draped):
 
 
 class MuJoCo(Draped):
-    """MuJoCo's flex of triangles of 200 N/m, by its integrator for them and conjugate gradients, at 2 ms.
+    """MuJoCo's flex of triangles of 200 N/m, by its integrator for them and conjugate gradients, at 2 ms."""
 
-    With `free` from penetration, it has incremental potential contact, an experiment without friction.
-    """
+    _ipc = "disable"
 
-    def __init__(self, side: int, meets: bool, free: bool = False) -> None:
+    def __init__(self, side: int, meets: bool) -> None:
         if side > _LARGEST:
             raise Missing(f"{side * side * 3} degrees of freedom take seconds for a step")
         library = package("mujoco")
         spacing = SIZE / (side - 1)
         text = f"""<mujoco><option timestep="{_STEP}" integrator="discrete" solver="CG" tolerance="1e-6">
-            <flag ipc="{"enable" if free else "disable"}"/></option><size memory="2G"/>
+            <flag ipc="{self._ipc}"/></option><size memory="2G"/>
             <worldbody><geom type="plane" size="5 5 0.1"/><geom type="sphere" size="{RADIUS}" pos="0 0 {RADIUS}"/>
             <flexcomp name="cloth" type="grid" dim="2" count="{side} {side} 1" spacing="{spacing} {spacing} {spacing}"
                 radius="{0.5 * THICKNESS}" mass="{DENSITY * SIZE * SIZE}" pos="0 0 {HEIGHT}">
@@ -71,10 +69,9 @@ class MuJoCo(Draped):
 
 
 class MuJoCoIPC(MuJoCo):
-    """The same with incremental potential contact."""
+    """The same with incremental potential contact, an experiment without friction."""
 
-    def __init__(self, side: int, meets: bool) -> None:
-        super().__init__(side, meets, free=True)
+    _ipc = "enable"
 
 
 class Newton(Draped):

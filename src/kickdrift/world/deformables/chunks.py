@@ -18,7 +18,7 @@ CHUNK = types.none(types.intp, types.intp, types.intp, types.intp, types.UniTupl
 LOOP = types.none(types.intp, types.intp, *CHUNK.args)
 _call_chunk, _call_loop = caller(CHUNK), caller(LOOP)
 
-_FEWEST = 8  # chunks, of 1 to 3 us, from which on a parallel region, of some 3 us on two cores, pays off
+_FEWEST = 8  # chunks, of 1 to 4 us, from which on a parallel region, of some 3 us on two cores, pays off
 
 
 @compiled(inline=True)

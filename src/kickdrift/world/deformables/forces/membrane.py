@@ -74,11 +74,11 @@ def add_membrane(world: int, cloth: int, share: float, damped: float) -> None:
 @compiled
 def add_some_groups(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
     """Do the same for some groups of triangles; `numbers` are the share and `damped`."""
-    own, group, share, damped = floats(world, CLOTH_NUMBERS), integers(world, FACE_GROUP), numbers[0], numbers[1]
+    fabric, group, share, damped = floats(world, CLOTH_NUMBERS), integers(world, FACE_GROUP), numbers[0], numbers[1]
     fields, size = flat(world, PARTICLE_LANES), field_size(world)
     corners, rest, strain = flat_integers(world, FACE_GROUP), flat(world, GROUP_REST), flat(world, GROUP_STRAIN)
-    stretch, shear = own[cloth, STRETCH], own[cloth, SHEAR]
-    ahead = damped * own[cloth, MEMBRANE_DAMPING]
+    stretch, shear = fabric[cloth, STRETCH], fabric[cloth, SHEAR]
+    ahead = damped * fabric[cloth, MEMBRANE_DAMPING]
     for g in range(first, last):
         begin, of, at = g * FACE_GROUP.width, group[g, RESTS] * GROUP_REST.width, g * GROUP_STRAIN.width
         if group[g, IN_ROWS] != 0:

@@ -57,7 +57,6 @@ def begin_interval(world: int) -> None:
         if pair[row, PAIR_KIND] == CROSSING or not least < touches or is_free(world, row):
             continue
         _lay(world, row)
-        numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
         if numbers[row, PAIR_APART] < touches and numbers[row, PAIR_GIVES] > 0.0:
             pair[row, NEXT_HELD] = NONE_HELD
             if last == NONE_HELD:
@@ -107,7 +106,6 @@ def is_laid(world: int, row: int, ahead: float) -> bool:
         if not _may_touch(world, row, ahead):
             return False
         _lay(world, row)
-        numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = travelled
     return True
 
 
@@ -162,6 +160,7 @@ def _lay(world: int, row: int) -> None:
         numbers[row, PAIR_WEIGHTS + k] = weights[k]
     for k in range(3):
         numbers[row, PAIR_NORMAL + k] = way[k] / apart
+    numbers[row, PAIR_SEEN] = numbers[row, PAIR_LAID] = floats(world, CLOTH_SEARCH)[0, TRAVELLED]
 
 
 @compiled
