@@ -107,7 +107,7 @@ BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.deformables.layout`
-CLOTH, CLOTH_NUMBERS = Table(66, 24, whole=True), Table(67, 32)
+CLOTH, CLOTH_NUMBERS = Table(66, 26, whole=True), Table(67, 32)
 PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.deformables.particle_fields`
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth
@@ -115,6 +115,7 @@ FACE_NUMBERS = Table(71, 8)
 COUPLING, COUPLING_NUMBERS = Table(73, 1, whole=True), Table(81, 1)  # of a particle with another one, by bending
 CURVED_FACE, CURVED_FACE_NUMBERS = Table(82, 8, whole=True), Table(83, 8)  # a triangle that is curved at rest
 PIN, PIN_NUMBERS = Table(74, 2, whole=True), Table(75, 4)
+TETHER, TETHER_NUMBERS = Table(121, 3, whole=True), Table(122, 1)
 CLOTH_CONTACT, CLOTH_CONTACT_NUMBERS = Table(76, 13, whole=True), Table(77, 26)
 STARTED_PARTICLE = Table(78, PARTICLE.width)
 PARTICLE_REST = Table(80, 4)

@@ -72,6 +72,7 @@ def built_cloth(mesh: ClothMesh, fabric: Fabric, warp: Floats) -> Built:
     numbers = _numbers(stiffness, fabric.damping, fabric.linear_damping, fabric.friction)
     _put_thickness(numbers, fabric.thickness, math.sqrt(float(np.median(areas))))
     numbers[c.AREA_DENSITY], numbers[c.TEAR_STRAIN] = fabric.density, fabric.tear_strain
+    numbers[c.TETHER_STRAIN] = fabric.tether_strain
     numbers[c.DRAG], numbers[c.LIFT] = fabric.air_density * fabric.drag, fabric.air_density * fabric.lift
     return Built(c.SHEET, mesh, masses_of(mesh, fabric.density * areas), at_rest, numbers)
 
@@ -85,6 +86,7 @@ def built_rope(mesh: ClothMesh, material: RopeMaterial) -> Built:
     stiffness = material.stretch_stiffness, 0.0, material.bending_stiffness
     numbers = _numbers(stiffness, material.damping, material.linear_damping, material.friction)
     _put_thickness(numbers, 2.0 * material.radius, float(np.median(lengths)))
+    numbers[c.TETHER_STRAIN] = material.tether_strain
     numbers[c.MEMBRANE_RATE] = stretch_rate(lengths, material.stretch_stiffness, masses)
     return Built(c.ROPE, mesh, masses, at_rest, numbers)
 

@@ -44,6 +44,7 @@ from kickdrift.world.deformables.self_collision.continuous_collision import stop
 from kickdrift.world.deformables.self_collision.near_pairs import begin_interval
 from kickdrift.world.deformables.self_collision.pair_impulses import approach, hold_pairs, resolve_pairs
 from kickdrift.world.deformables.self_collision.swept_bounds import find_strays, set_frame
+from kickdrift.world.deformables.tethers import hold_tethers
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.step.status import report_cloth
 from kickdrift.world.tables import (
@@ -194,8 +195,8 @@ def _go_back(world: int, interval: float) -> None:
 
 @compiled
 def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: float) -> None:
-    """Kick a cloth by its forces, and resolve its contacts with shapes."""
-    share = 0.5 if begins or ends else 1.0
+    """Kick a cloth by its forces, and resolve its tethers and its contacts with shapes."""
+    share, push = 0.5 if begins or ends else 1.0, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED]
     # The damping impulse is whole at the end, since no change is known at the beginning of the next substep.
     damped = 0.0 if begins else 1.0 / part
     dimension = integers(world, CLOTH)[cloth, DIMENSION]
@@ -207,7 +208,8 @@ def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: f
         add_membrane(world, cloth, share, damped)
     add_bending(world, cloth, share, damped)
     _kick(world, cloth, part, share, begins, left)
-    resolve_contacts(world, cloth, part, 0.0 if ends else floats(world, SETTINGS)[0, PUSH_SPEED], left)
+    hold_tethers(world, cloth, part, push, left)
+    resolve_contacts(world, cloth, part, push, left)
 
 
 @compiled

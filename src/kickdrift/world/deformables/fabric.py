@@ -8,7 +8,7 @@ _POSITIVE = ("density", "thickness", "stretch_stiffness")
 _UNITS = {
     "density": "kg/m^2", "thickness": "m", "stretch_stiffness": "N/m", "shear_stiffness": "N/m", "bending_stiffness": "N m",
     "damping": "s", "linear_damping": "1/s", "friction": "1", "drag": "1", "lift": "1", "air_density": "kg/m^3",
-    "tear_strain": "1",
+    "tear_strain": "1", "tether_strain": "1",
 }  # fmt: skip
 
 
@@ -42,6 +42,11 @@ class Fabric:
     tear_strain : float
         Largest principal strain, averaged over the triangles around a vertex, above which the cloth tears there; zero if it
         does not tear. At a strain of 1 the length has doubled.
+    tether_strain : float
+        Strain at which tethers hold vertices back, zero if there are none. A vertex is then no farther from the nearest one
+        that is pinned in the world, or to a fixed or kinematic body, than the way along the unstretched cloth times one plus
+        this strain; with a small one a stiff cloth hardly stretches, however long the step is. Tethers stop vertices, and
+        dynamic bodies to which these are pinned, without bounce.
 
     Raises
     ------
@@ -61,6 +66,7 @@ class Fabric:
     lift: float = 0.0
     air_density: float = 1.2
     tear_strain: float = 0.0
+    tether_strain: float = 0.0
 
     def __post_init__(self) -> None:
         check_numbers(self, _UNITS, _POSITIVE)

@@ -19,13 +19,14 @@ from kickdrift.world.deformables.forces.bending_coupling_rows import put_couplin
 from kickdrift.world.deformables.forces.highest_frequency import put_membrane_rate
 from kickdrift.world.deformables.mesh import ClothMesh
 from kickdrift.world.deformables.mesh_tables import mesh_in, put_mesh
-from kickdrift.world.deformables.particle_tables import arrange, forget_motion, forget_pairs
+from kickdrift.world.deformables.particle_tables import forget_motion, forget_pairs
 from kickdrift.world.deformables.pin_rows import add_pins, remove_pins
+from kickdrift.world.deformables.preparation import Preparation
 from kickdrift.world.deformables.rope_handle import Rope
 from kickdrift.world.deformables.row_ranges import add_range, remove_range, rows_of
 from kickdrift.world.deformables.soft_body_handle import SoftBody
 from kickdrift.world.deformables.splitting import Split, cut_by_plane, put_split
-from kickdrift.world.deformables.substep_choice import WORDS, is_far_softer, softness, tune
+from kickdrift.world.deformables.substep_choice import WORDS, is_far_softer, softness
 from kickdrift.world.deformables.tearing import find_tears
 from kickdrift.world.names import Names
 from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PIN, TETRAHEDRON, Tables
@@ -51,7 +52,7 @@ class Cloths:
         self.names = Names("cloth")
         self.world: ReferenceType[Any] | None = None
         self.n_made = 0  # never decreases, not even on restoring a snapshot: two cloths would share a handle
-        self._substep, self._arranged = 0.0, -1
+        self._preparation = Preparation(tables)
 
     @undivided
     def add(self, built: Built, kind: type[D], name: str | None, self_collision: bool) -> D:
@@ -109,7 +110,7 @@ class Cloths:
 
     def _changed(self) -> None:
         """Wake everything, and request that all data that depend on the vertices are prepared again."""
-        self._arranged, self._substep = -1, 0.0
+        self._preparation.forget()
         forget_motion(self.tables)
         self._bodies.wake()
         self.wake()
@@ -119,28 +120,19 @@ class Cloths:
     def _couple(self, row: int) -> None:
         forget_pairs(self.tables)  # of which the inverse masses of pinned vertices are a part
         put_couplings(self.tables, row, self.mesh(row))
-        self._substep = 0.0
+        self._preparation.forget_pins()
 
     def mesh(self, row: int) -> ClothMesh:
         """Return the mesh of a cloth at rest."""
         return mesh_in(self.tables, row)
 
     def tune(self, substep: float) -> None:
-        """Choose the parts of a substep, s, and the stiffness of all cloths in it, and prepare the tables that a step fills."""
-        if self.tables.count(CLOTH) == 0:
-            return
-        if self._arranged != self.tables.count(FACE):
-            arrange(self.tables, [self.mesh(row) for row in range(self.tables.count(CLOTH))])
-            self._arranged = self.tables.count(FACE)
-        if substep == self._substep:
-            return
-        for own, numbers in zip(self.tables.array(CLOTH), self.tables.array(CLOTH_NUMBERS), strict=True):
-            tune(own, numbers, substep)
-        self._substep = substep
+        """Prepare the tables of cloths for a substep, s."""
+        self._preparation.prepare(substep)
 
     def restored(self) -> None:
-        """Have `tune` choose again, after the tables were replaced."""
-        self._substep, self._arranged = 0.0, -1
+        """Have `tune` prepare everything again, after the tables were replaced."""
+        self._preparation.forget()
 
     def row(self, cloth: Deformable, argument: str = "cloth") -> int:
         """Return the row of an existing cloth or rope; ArgumentError if it was removed, or is not of this world."""

@@ -7,7 +7,7 @@ from kickdrift.world.deformables.material import check_numbers
 _POSITIVE = ("radius", "density", "stretch_stiffness")
 _UNITS = {
     "radius": "m", "density": "kg/m", "stretch_stiffness": "N", "bending_stiffness": "N m^2", "damping": "s",
-    "linear_damping": "1/s", "friction": "1",
+    "linear_damping": "1/s", "friction": "1", "tether_strain": "1",
 }  # fmt: skip
 
 
@@ -32,6 +32,8 @@ class RopeMaterial:
         Rate at which velocities decay, 1/s.
     friction : float
         Coefficient of friction; a rope and what it touches use the geometric mean.
+    tether_strain : float
+        Strain at which tethers hold vertices back, zero if there are none; see `kickdrift.world.deformables.fabric.Fabric`.
 
     Raises
     ------
@@ -46,6 +48,7 @@ class RopeMaterial:
     damping: float = 0.0
     linear_damping: float = 0.0
     friction: float = 0.6
+    tether_strain: float = 0.0
 
     def __post_init__(self) -> None:
         check_numbers(self, _UNITS, _POSITIVE)

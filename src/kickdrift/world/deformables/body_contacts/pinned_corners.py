@@ -90,12 +90,16 @@ def is_held(world: int, row: int) -> bool:
 @compiled(inline=True)
 def corner_velocity(world: int, row: int, k: int) -> Vector:
     """Return the velocity of a corner of a contact: that of its body where it is pinned, which may have changed since."""
-    contact, motion = integers(world, CLOTH_CONTACT), floats(world, MOTION)
-    columns = (TOUCHING_PARTICLE, OTHER_PARTICLE, THIRD_PARTICLE)
-    pin = contact[row, HELD_BY + k]
+    contact, columns = integers(world, CLOTH_CONTACT), (TOUCHING_PARTICLE, OTHER_PARTICLE, THIRD_PARTICLE)
+    return velocity_with(world, contact[row, columns[k]], contact[row, HELD_BY + k])
+
+
+@compiled(inline=True)
+def velocity_with(world: int, i: int, pin: int) -> Vector:
+    """Return the velocity of a particle: that of its body where it is pinned, which may have changed since."""
     if pin == FREE:
-        return vector_at(floats(world, PARTICLE), contact[row, columns[k]], PARTICLE_VELOCITY)
-    body = integers(world, PIN)[pin, PINNED_BODY]
+        return vector_at(floats(world, PARTICLE), i, PARTICLE_VELOCITY)
+    body, motion = integers(world, PIN)[pin, PINNED_BODY], floats(world, MOTION)
     turn = cross(vector_at(motion, body, ANGULAR_VELOCITY), arm_of_pin(world, pin))
     return plus(vector_at(motion, body, VELOCITY), turn)
 
