@@ -210,6 +210,7 @@ def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: f
     _kick(world, cloth, part, share, begins, left)
     hold_tethers(world, cloth, part, push, left)
     resolve_contacts(world, cloth, part, push, left)
+    pull_bodies(world, cloth, 0.0, (0.0, 0.0, 0.0), left, False)
 
 
 @compiled
@@ -234,7 +235,7 @@ def _kick(world: int, cloth: int, part: float, share: float, begins: bool, left:
     gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
     fall = times(share * part, gravity)
     # At its start bodies have fallen for the whole substep already, and particles pinned to them fall with them.
-    pull_bodies(world, cloth, part, times(left if begins else 0.0, gravity), left)
+    pull_bodies(world, cloth, part, times(left if begins else 0.0, gravity), left, begins)
     keep = 1.0 / (1.0 + share * part * floats(world, CLOTH_NUMBERS)[cloth, LINEAR_DAMPING])
     kick_by_forces(world, cloth, part, keep, fall)
 

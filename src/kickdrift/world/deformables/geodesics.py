@@ -60,7 +60,7 @@ class _Windows(NamedTuple):
 
     def some(self, chosen: NDArray[np.bool_]) -> "_Windows":
         """Return some of them."""
-        return _Windows(*(column[chosen] for column in self))
+        return _Windows._make(column[chosen] for column in self)
 
 
 def shortest_ways(lines: Lines, count: int, sources: Integers) -> tuple[Floats, Integers]:
@@ -102,7 +102,7 @@ def lines_on(mesh: ClothMesh) -> Lines:
         windows = windows._replace(side=twins[windows.side]).some(twins[windows.side] != NONE)
         lines, windows = _beyond(mesh, windows)
         found.append(lines)
-    whole = Lines(*(np.concatenate(column) for column in zip(*found, strict=True)))
+    whole = Lines._make(np.concatenate(column) for column in zip(*found, strict=True))
     return _shortest(whole, len(mesh.vertices))
 
 
@@ -154,16 +154,12 @@ def _beyond(mesh: ClothMesh, windows: _Windows) -> tuple[Lines, _Windows]:
     lines = Lines(windows.source[seen], c[seen], np.linalg.norm(apex[seen], axis=1))
     # From b to c its triangle lies on the left, as seen from the source the part right of the apex.
     on_right = windows._replace(
-        side=3 * triangle + (k + 1) % 3,
-        left=apex,
-        leftmost=np.where(past_left[:, None], apex, windows.leftmost),
+        side=3 * triangle + (k + 1) % 3, left=apex, leftmost=np.where(past_left[:, None], apex, windows.leftmost)
     )
     on_left = windows._replace(
-        side=3 * triangle + (k + 2) % 3,
-        right=apex,
-        rightmost=np.where(past_right[:, None], apex, windows.rightmost),
+        side=3 * triangle + (k + 2) % 3, right=apex, rightmost=np.where(past_right[:, None], apex, windows.rightmost)
     )
-    both = _Windows(*(np.concatenate(column) for column in zip(on_right, on_left, strict=True)))
+    both = _Windows._make(np.concatenate(column) for column in zip(on_right, on_left, strict=True))
     return lines, both.some(_cross(both.rightmost, both.leftmost) > 0.0)
 
 

@@ -39,7 +39,9 @@ ASKED = column(t.CLOTH_NUMBERS, 5, "N/m, N/m, N m, s, s")  # the first five colu
 MEMBRANE_RATE = column(t.CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, with the stiffness of the fabric
 BENDING_RATE = column(t.CLOTH_NUMBERS, 1, "1/s")
 REST_TIME = column(t.CLOTH_NUMBERS, 1, "s")  # of the first cloth: for how long all cloths have been at rest
-SKIN = column(t.CLOTH_NUMBERS, 1, "m")  # deviation of particles from their predicted paths up to which pairs remain valid
+SKIN = column(
+    t.CLOTH_NUMBERS, 1, "m"
+)  # deviation of particles from their predicted paths up to which pairs remain valid
 
 TEAR_STRAIN = column(t.CLOTH_NUMBERS)  # 0.0 if it does not tear
 POISSON_RATIO = column(t.CLOTH_NUMBERS)  # of a soft body
@@ -86,7 +88,9 @@ RESTS = column(t.FACE_GROUP)  # row of GROUP_REST
 IN_ROWS = column(t.FACE_GROUP)  # 1 if the corners are consecutive rows; then the first triangle is all that is read
 # field to which the forces on the first corners are added, on the second and the third ones
 ADDED_TO = column(t.FACE_GROUP, 3)
-AFTER_COLOUR = column(t.FACE_GROUP)  # one after the last row of its colour: see `kickdrift.world.deformables.face_groups`
+AFTER_COLOUR = column(
+    t.FACE_GROUP
+)  # one after the last row of its colour: see `kickdrift.world.deformables.face_groups`
 GROUP_CORNERS = column(t.FACE_GROUP, 24)  # particles: three of each triangle
 column(t.GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
 column(t.GROUP_STRAIN, 24)  # strains along warp and weft, and shear, at the last kick
@@ -193,6 +197,8 @@ GIVEN_TORQUE = column(t.CLOTH_LOAD, 3, "N m")
 STARTED_LOAD = column(t.CLOTH_LOAD, 18)  # these when the step began
 NOTED_VELOCITY = column(t.CLOTH_LOAD, 3, "m/s")  # before the kick
 NOTED_SPIN = column(t.CLOTH_LOAD, 3, "kg m^2/s")
+NOTED_POSITION = column(t.CLOTH_LOAD, 3, "m")  # when the substep began
+NOTED_ORIENTATION = column(t.CLOTH_LOAD, 4)
 HELD = column(t.CLOTH_LOAD, 6)  # part of a change of motion that contacts hold
 MOST_WITHHELD = column(t.CLOTH_LOAD, 1, "m/s")  # in a substep
 WITHHELD_CHANGE = column(t.CLOTH_LOAD, 6)  # of MOTION, which they hold in this substep
@@ -220,7 +226,9 @@ INTERVAL = column(t.CLOTH_SEARCH)  # number of parts after which cloth-cloth con
 TRAVELLED = column(t.CLOTH_SEARCH, 1, "m")
 FIRST_HELD = column(t.CLOTH_SEARCH)  # pair, or `NONE_HELD`
 CROSSINGS = column(t.CLOTH_SEARCH)  # number of pairs of triangles that cross
-NEAR_AHEAD = column(t.CLOTH_SEARCH, 1, "m")  # relative displacement of particles for which NEAR_PAIR lists the near pairs
+NEAR_AHEAD = column(
+    t.CLOTH_SEARCH, 1, "m"
+)  # relative displacement of particles for which NEAR_PAIR lists the near pairs
 
 # Values of SEARCH_STATE
 INVALID = 0.0  # nothing is known

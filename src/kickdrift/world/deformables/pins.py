@@ -6,47 +6,90 @@ conserved.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, cross, dot, minus, plus, times
-from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.deformables.body_contacts.body_impulses import move_on
+from kickdrift.core.vectors import Vector, applied, conjugate, cross, dot, minus, plus, product, rotation_vector, times
+from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.deformables.body_contacts.body_impulses import displace, move_on
 from kickdrift.world.deformables.body_contacts.pinned_corners import arm_of_pin
 from kickdrift.world.deformables.layout import (
     FIRST_PIN,
     LAST_PIN,
+    NOTED_ORIENTATION,
+    NOTED_POSITION,
     PARTICLE_MASS,
     PARTICLE_VELOCITY,
     PINNED_BODY,
     PINNED_PARTICLE,
 )
 from kickdrift.world.deformables.particle_fields import force_on
-from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, POSITION, VELOCITY
-from kickdrift.world.tables import CLOTH, INVERSE_MASS, MOTION, PARTICLE, PIN, POSE, floats, integers
+from kickdrift.world.layout import (
+    ANGULAR_VELOCITY,
+    INVERSE_INERTIA_IN_WORLD,
+    INVERSE_LINEAR_MASS,
+    ORIENTATION,
+    POSITION,
+    VELOCITY,
+)
+from kickdrift.world.tables import CLOTH, CLOTH_LOAD, INVERSE_MASS, MOTION, PARTICLE, PIN, POSE, floats, integers
 
 
 @compiled
-def pull_bodies(world: int, cloth: int, part: float, fall: Vector, left: float) -> None:
+def pull_bodies(world: int, cloth: int, part: float, fall: Vector, left: float, begins: bool) -> None:
     """Kick the particles of a cloth that are pinned to bodies, and these bodies, by forces in a part, s, and by `fall`, m/s.
 
-    Bodies move with their changes of velocity for the time `left` in the substep, s.
+    Bodies move with their changes of velocity for the time `left` in the substep, s. Where it begins, they have moved as if
+    nothing was pinned to them, and not always with their velocity: contacts push them apart. So their displacements are shared
+    with their particles like their momentum. Otherwise a rod that hit the floor turned by 0.4 rad about its axis, and a cloth
+    of five times its mass on both sides gained 900 J.
     """
     own, pin = integers(world, CLOTH), integers(world, PIN)
     first, last = own[cloth, FIRST_PIN], own[cloth, LAST_PIN]
     for k in range(first + 1, last + 1):
         if k == last or pin[k, PINNED_BODY] != pin[first, PINNED_BODY]:
-            _pull_body(world, first, k, part, fall, left)
+            _pull_body(world, first, k, part, fall, left, begins)
             first = k
 
 
 @compiled
-def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, left: float) -> None:
-    """Kick a range of pins, all of one body.
+def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, left: float, begins: bool) -> None:
+    """Kick a range of pins, all of one body."""
+    pin, particle, motion = integers(world, PIN), floats(world, PARTICLE), floats(world, MOTION)
+    body = pin[first, PINNED_BODY]
+    u, w = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY)
+    movable = floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] > 0.0
+    shift, turn = _shared(world, first, last, part, fall, (u, w)) if movable else (u, w)
+    moved = _mean_motion(world, body, left) if begins and movable else (u, w)
+    way, rotation = _shared(world, first, last, part, fall, moved) if begins and movable else (shift, turn)
+    for k in range(first, last):
+        v = plus(shift, cross(turn, arm_of_pin(world, k)))
+        for j in range(3):
+            particle[pin[k, PINNED_PARTICLE], PARTICLE_VELOCITY + j] = v[j]
+    if movable:
+        move_on(world, body, minus(shift, u), minus(turn, w), 0.0)
+        displace(world, body, times(left, minus(way, moved[0])), times(left, minus(rotation, moved[1])))
+
+
+@compiled
+def _mean_motion(world: int, body: int, h: float) -> tuple[Vector, Vector]:
+    """Return the mean velocity and angular velocity of a body in a substep, s, from its displacement."""
+    pose, load = floats(world, POSE), floats(world, CLOTH_LOAD)
+    way = minus(vector_at(pose, body, POSITION), vector_at(load, body, NOTED_POSITION))
+    before = quaternion_at(load, body, NOTED_ORIENTATION)
+    turn = rotation_vector(product(quaternion_at(pose, body, ORIENTATION), conjugate(before)))
+    return times(1.0 / h, way), times(1.0 / h, turn)
+
+
+@compiled
+def _shared(
+    world: int, first: int, last: int, part: float, fall: Vector, motion: tuple[Vector, Vector]
+) -> tuple[Vector, Vector]:
+    """Return velocity and angular velocity of a body that has these, and becomes rigid with what is pinned to it.
 
     With masses m at arms r and velocities v, the rigid motion (u, w) satisfies u (m_b + sum m) + w x c = m_b u_b + sum m v and
     w + S (I w + c x u) = w_b + S sum m r x v, where c = sum m r, I = sum m (r^2 - r r^T), and S is the body's inverse inertia.
     """
     pin, particle = integers(world, PIN), floats(world, PARTICLE)
-    motion, inverse, body = floats(world, MOTION), floats(world, INVERSE_MASS), integers(world, PIN)[first, PINNED_BODY]
-    u, w = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY)
+    inverse, body = floats(world, INVERSE_MASS), integers(world, PIN)[first, PINNED_BODY]
+    u, w = motion
     mass, lever, momentum, spin = 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # sum m r r^T
     for k in range(first, last):
@@ -57,29 +100,18 @@ def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, lef
         mass, lever = mass + m, plus(lever, times(m, r))
         xx, yy, zz = xx + m * r[0] * r[0], yy + m * r[1] * r[1], zz + m * r[2] * r[2]
         xy, xz, yz = xy + m * r[0] * r[1], xz + m * r[0] * r[2], yz + m * r[1] * r[2]
-    if inverse[body, INVERSE_LINEAR_MASS] > 0.0:
-        own = 1.0 / inverse[body, INVERSE_LINEAR_MASS]
-        share = 1.0 / (own + mass)
-        straight = times(share, plus(times(own, u), momentum))
-        x, y, z = lever
-        xx, yy, zz = xx - share * x * x, yy - share * y * y, zz - share * z * z
-        xy, xz, yz = xy - share * x * y, xz - share * x * z, yz - share * y * z
-        inertia, turns = (
-            (yy + zz, xx + zz, xx + yy, -xy, -xz, -yz),
-            symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD),
-        )
-        a = plus(applied(inertia, (turns[0], turns[3], turns[4])), (1.0, 0.0, 0.0))
-        b = plus(applied(inertia, (turns[3], turns[1], turns[5])), (0.0, 1.0, 0.0))
-        c = plus(applied(inertia, (turns[4], turns[5], turns[2])), (0.0, 0.0, 1.0))
-        turn = _solved(a, b, c, plus(w, applied(turns, minus(spin, cross(lever, straight)))))
-        shift = minus(straight, times(share, cross(turn, lever)))
-    else:
-        shift, turn = u, w
-    for k in range(first, last):
-        v = plus(shift, cross(turn, arm_of_pin(world, k)))
-        for j in range(3):
-            particle[pin[k, PINNED_PARTICLE], PARTICLE_VELOCITY + j] = v[j]
-    move_on(world, body, minus(shift, u), minus(turn, w), left)
+    own = 1.0 / inverse[body, INVERSE_LINEAR_MASS]
+    share = 1.0 / (own + mass)
+    straight = times(share, plus(times(own, u), momentum))
+    x, y, z = lever
+    xx, yy, zz = xx - share * x * x, yy - share * y * y, zz - share * z * z
+    xy, xz, yz = xy - share * x * y, xz - share * x * z, yz - share * y * z
+    inertia, turns = ((yy + zz, xx + zz, xx + yy, -xy, -xz, -yz), symmetric_at(inverse, body, INVERSE_INERTIA_IN_WORLD))
+    a = plus(applied(inertia, (turns[0], turns[3], turns[4])), (1.0, 0.0, 0.0))
+    b = plus(applied(inertia, (turns[3], turns[1], turns[5])), (0.0, 1.0, 0.0))
+    c = plus(applied(inertia, (turns[4], turns[5], turns[2])), (0.0, 0.0, 1.0))
+    turn = _solved(a, b, c, plus(w, applied(turns, minus(spin, cross(lever, straight)))))
+    return minus(straight, times(share, cross(turn, lever))), turn
 
 
 @compiled(inline=True)

@@ -29,7 +29,7 @@ from kickdrift.world.deformables.splitting import Split, cut_by_plane, put_split
 from kickdrift.world.deformables.substep_choice import WORDS, is_far_softer, softness
 from kickdrift.world.deformables.tearing import find_tears
 from kickdrift.world.names import Names
-from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE, FACE_NUMBERS, PARTICLE, PIN, TETRAHEDRON, Tables
+from kickdrift.world.tables import CLOTH, CLOTH_NUMBERS, FACE_NUMBERS, PARTICLE, PIN, TETRAHEDRON, Tables
 from kickdrift.world.world_lock import alone, undivided
 
 Floats = NDArray[np.float64]

@@ -1,8 +1,8 @@
 """Tethers: vertices are never farther from a pinned one than the way along the unstretched cloth, times a factor.
 
-Forces alone stretch a cloth that the step has made softer, while each tether acts over the whole way at once (Kim, Chentanez and
-Mueller-Fischer, Long range attachments: a method to simulate inextensible clothing in computer games, SCA 2012). Where a vertex
-would go beyond its tether in a part of a substep, an impulse along the line at its end stops it there.
+Forces alone stretch a cloth that the step has made softer, while each tether acts over the whole way at once (Kim, Chentanez
+and Mueller-Fischer, Long range attachments: a method to simulate inextensible clothing in computer games, SCA 2012). Where a
+vertex would go beyond its tether in a part of a substep, an impulse along the line at its end stops it there.
 """
 
 from kickdrift.core.compilation import compiled

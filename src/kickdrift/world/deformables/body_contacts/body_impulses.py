@@ -89,14 +89,23 @@ def move_on(world: int, body: int, shift: Vector, turn: Vector, left: float) -> 
     a spring of cloth would gain energy: a lag of h / 2 is a negative damping.
     """
     shift = _within_plane(world, shift)
-    motion, pose, delta = floats(world, MOTION), floats(world, POSE), floats(world, DELTA_POSE)
+    motion = floats(world, MOTION)
     for k in range(3):
         motion[body, VELOCITY + k] += shift[k]
         motion[body, ANGULAR_VELOCITY + k] += turn[k]
-        pose[body, POSITION + k] += left * shift[k]
-        delta[body, DISPLACEMENT + k] += left * shift[k]
-        delta[body, ROTATION + k] += left * turn[k]
-    q = product(exponential(times(left, turn)), quaternion_at(pose, body, ORIENTATION))
+    displace(world, body, times(left, shift), times(left, turn))
+
+
+@compiled
+def displace(world: int, body: int, way: Vector, turn: Vector) -> None:
+    """Move a body by a displacement, m, and a rotation, rad."""
+    way = _within_plane(world, way)
+    pose, delta = floats(world, POSE), floats(world, DELTA_POSE)
+    for k in range(3):
+        pose[body, POSITION + k] += way[k]
+        delta[body, DISPLACEMENT + k] += way[k]
+        delta[body, ROTATION + k] += turn[k]
+    q = product(exponential(turn), quaternion_at(pose, body, ORIENTATION))
     for k in range(4):
         pose[body, ORIENTATION + k] = q[k]
 

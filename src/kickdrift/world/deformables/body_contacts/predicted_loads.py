@@ -27,6 +27,8 @@ from kickdrift.world.deformables.layout import (
     HELD,
     IS_ASLEEP,
     MOST_WITHHELD,
+    NOTED_ORIENTATION,
+    NOTED_POSITION,
     NOTED_SPIN,
     NOTED_VELOCITY,
     STARTED_LOAD,
@@ -48,6 +50,7 @@ from kickdrift.world.layout import (
     INVERSE_LINEAR_MASS,
     LINK_COUNT,
     ORIENTATION,
+    POSITION,
     SUBSTEP_FORCE,
     SUBSTEP_TORQUE,
     TURN_DAMPING,
@@ -83,14 +86,17 @@ _LEAST = 1e-2  # of a kick: components from which what is left of them is measur
 
 @compiled
 def predict_loads(t: float, h: float, world: int) -> None:
-    """Add the loads of cloths to the forces on bodies, whose motion is noted."""
+    """Add the loads of cloths to the forces on bodies, whose motion and pose are noted."""
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
-    load, motion = floats(world, CLOTH_LOAD), floats(world, MOTION)
+    load, motion, pose = floats(world, CLOTH_LOAD), floats(world, MOTION), floats(world, POSE)
     for body in range(rows(world, CLOTH_LOAD)):
         spin = _spin(world, body)
         for k in range(3):
             load[body, NOTED_VELOCITY + k], load[body, NOTED_SPIN + k] = motion[body, VELOCITY + k], spin[k]
+            load[body, NOTED_POSITION + k] = pose[body, POSITION + k]
+        for k in range(4):
+            load[body, NOTED_ORIENTATION + k] = pose[body, ORIENTATION + k]
     _add_forces(world, h, 1.0)
 
 
