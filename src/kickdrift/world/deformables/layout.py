@@ -162,6 +162,7 @@ CARRIER = column(t.PARTICLE_SHIFT)  # while contacts are found: the row of the c
 
 # INTERVAL_START
 column(t.INTERVAL_START, 3, "m")  # positions when the interval began
+GIVES = column(t.INTERVAL_START, 1, "1/kg")  # inverse mass of a particle pinned to a dynamic body, otherwise zero
 
 # PARTICLE_WIND
 column(t.PARTICLE_WIND, 3, "m/s")
@@ -199,6 +200,8 @@ NOTED_VELOCITY = column(t.CLOTH_LOAD, 3, "m/s")  # before the kick
 NOTED_SPIN = column(t.CLOTH_LOAD, 3, "kg m^2/s")
 NOTED_POSITION = column(t.CLOTH_LOAD, 3, "m")  # when the substep began
 NOTED_ORIENTATION = column(t.CLOTH_LOAD, 4)
+CARRIES = column(t.CLOTH_LOAD)  # 1 if something is pinned to it
+MOVED_WITH = column(t.CLOTH_LOAD, 6)  # then: the part of MOTION with which its pose is moved
 HELD = column(t.CLOTH_LOAD, 6)  # part of a change of motion that contacts hold
 MOST_WITHHELD = column(t.CLOTH_LOAD, 1, "m/s")  # in a substep
 WITHHELD_CHANGE = column(t.CLOTH_LOAD, 6)  # of MOTION, which they hold in this substep

@@ -12,7 +12,9 @@ from kickdrift.world.deformables.body_contacts.body_impulses import displace, mo
 from kickdrift.world.deformables.body_contacts.pinned_corners import arm_of_pin
 from kickdrift.world.deformables.layout import (
     FIRST_PIN,
+    GIVES,
     LAST_PIN,
+    MOVED_WITH,
     NOTED_ORIENTATION,
     NOTED_POSITION,
     PARTICLE_MASS,
@@ -29,7 +31,19 @@ from kickdrift.world.layout import (
     POSITION,
     VELOCITY,
 )
-from kickdrift.world.tables import CLOTH, CLOTH_LOAD, INVERSE_MASS, MOTION, PARTICLE, PIN, POSE, floats, integers
+from kickdrift.world.tables import (
+    CLOTH,
+    CLOTH_LOAD,
+    INTERVAL_START,
+    INVERSE_MASS,
+    MOTION,
+    PARTICLE,
+    PIN,
+    POSE,
+    floats,
+    integers,
+    rows,
+)
 
 
 @compiled
@@ -52,20 +66,36 @@ def pull_bodies(world: int, cloth: int, part: float, fall: Vector, left: float, 
 @compiled
 def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, left: float, begins: bool) -> None:
     """Kick a range of pins, all of one body."""
-    pin, particle, motion = integers(world, PIN), floats(world, PARTICLE), floats(world, MOTION)
-    body = pin[first, PINNED_BODY]
+    motion, body = floats(world, MOTION), integers(world, PIN)[first, PINNED_BODY]
     u, w = vector_at(motion, body, VELOCITY), vector_at(motion, body, ANGULAR_VELOCITY)
-    movable = floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] > 0.0
-    shift, turn = _shared(world, first, last, part, fall, (u, w)) if movable else (u, w)
-    moved = _mean_motion(world, body, left) if begins and movable else (u, w)
-    way, rotation = _shared(world, first, last, part, fall, moved) if begins and movable else (shift, turn)
+    if floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] == 0.0:
+        _carry(world, first, last, u, w)
+        return
+    moved = _mean_motion(world, body, left) if begins else _moved_with(world, body)
+    shift, turn = _shared(world, first, last, part, fall, (u, w))
+    way, rotation = _shared(world, first, last, part, fall, moved) if begins else (shift, turn)
+    _carry(world, first, last, shift, turn)
+    move_on(world, body, minus(shift, u), minus(turn, w), 0.0)
+    displace(world, body, times(left, minus(way, moved[0])), times(left, minus(rotation, moved[1])))
+    for k in range(6):
+        floats(world, CLOTH_LOAD)[body, MOVED_WITH + k] = motion[body, VELOCITY + k]
+
+
+@compiled(inline=True)
+def _carry(world: int, first: int, last: int, u: Vector, w: Vector) -> None:
+    """Give pinned particles the velocities of their points of a body, which moves and turns with these."""
+    pin, particle = integers(world, PIN), floats(world, PARTICLE)
     for k in range(first, last):
-        v = plus(shift, cross(turn, arm_of_pin(world, k)))
+        v = plus(u, cross(w, arm_of_pin(world, k)))
         for j in range(3):
             particle[pin[k, PINNED_PARTICLE], PARTICLE_VELOCITY + j] = v[j]
-    if movable:
-        move_on(world, body, minus(shift, u), minus(turn, w), 0.0)
-        displace(world, body, times(left, minus(way, moved[0])), times(left, minus(rotation, moved[1])))
+
+
+@compiled(inline=True)
+def _moved_with(world: int, body: int) -> tuple[Vector, Vector]:
+    """Return the velocity and angular velocity with which a body has moved since impulses changed them."""
+    load = floats(world, CLOTH_LOAD)
+    return vector_at(load, body, MOVED_WITH), vector_at(load, body, MOVED_WITH + 3)
 
 
 @compiled
@@ -119,6 +149,17 @@ def _solved(a: Vector, b: Vector, c: Vector, right: Vector) -> Vector:
     """Solve three equations, whose rows are a, b and c."""
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
     return times(1.0 / dot(a, bc), plus(times(right[0], bc), plus(times(right[1], ca), times(right[2], ab))))
+
+
+@compiled
+def free_pins(world: int) -> None:
+    """Have the particles pinned to dynamic bodies take impulses of pairs as if they were free."""
+    pin, particle, start = integers(world, PIN), floats(world, PARTICLE), floats(world, INTERVAL_START)
+    for i in range(rows(world, PARTICLE)):
+        start[i, GIVES] = 0.0
+    for k in range(rows(world, PIN)):
+        if floats(world, INVERSE_MASS)[pin[k, PINNED_BODY], INVERSE_LINEAR_MASS] > 0.0:
+            start[pin[k, PINNED_PARTICLE], GIVES] = 1.0 / particle[pin[k, PINNED_PARTICLE], PARTICLE_MASS]
 
 
 @compiled

@@ -22,6 +22,7 @@ from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, accele
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.deformables.body_contacts.body_impulses import move_on
 from kickdrift.world.deformables.layout import (
+    CARRIES,
     GIVEN_CHANGE,
     GIVEN_FORCE,
     HELD,
@@ -31,6 +32,7 @@ from kickdrift.world.deformables.layout import (
     NOTED_POSITION,
     NOTED_SPIN,
     NOTED_VELOCITY,
+    PINNED_BODY,
     STARTED_LOAD,
     STEADY_FORCE,
     STEADY_TORQUE,
@@ -66,6 +68,7 @@ from kickdrift.world.tables import (
     INERTIA,
     INVERSE_MASS,
     MOTION,
+    PIN,
     POSE,
     SETTINGS,
     Tables,
@@ -126,6 +129,9 @@ def begin_loads(world: int, h: float) -> None:
             _find_held(world, body, h)
         for k in range(6):
             load[body, WITHHELD_CHANGE + k] = load[body, GIVEN_CHANGE + k] = 0.0
+        load[body, CARRIES] = 0.0
+    for pin in range(rows(world, PIN)):
+        load[integers(world, PIN)[pin, PINNED_BODY], CARRIES] = 1.0
     _add_forces(world, h, -1.0)
 
 

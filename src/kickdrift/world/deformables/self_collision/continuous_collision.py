@@ -12,8 +12,8 @@ from kickdrift.core.vectors import Vector, dot, length, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import PAIR_APART, PAIR_KIND, PAIR_SEEN, PARTICLE_VELOCITY, TRAVELLED
 from kickdrift.world.deformables.self_collision.impact_zones import begin_zones, join_zone, move_zones
-from kickdrift.world.deformables.self_collision.near_pairs import is_free, mobility, particles_of
-from kickdrift.world.deformables.self_collision.pair_impulses import add, give_late
+from kickdrift.world.deformables.self_collision.near_pairs import is_free, mobility, particles_of, response
+from kickdrift.world.deformables.self_collision.pair_impulses import give_late, move_apart
 from kickdrift.world.deformables.self_collision.proximity import Ways, Weights, closing, less_mean, mix, mixed, nearest
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING
@@ -95,12 +95,11 @@ def _correct(world: int, row: int, interval: float, part: float, weights: Weight
     end = dot(n, plus(start, mix(weights, ways[0], ways[1], ways[2], ways[3])))
     if not end < apart:
         return
-    gives = mobility(world, at, weights)
-    wanted = (apart - end) / gives
+    wanted = (apart - end) / mobility(world, at, weights)
     approach = -dot(n, mixed(weights, particle, at, PARTICLE_VELOCITY))
-    stopped = min(wanted, part * max(approach, 0.0) / gives)
+    stopped = min(wanted, part * max(approach, 0.0) / response(world, at, weights))
     give_late(world, at, weights, times(stopped / part, n), interval - part)
-    add(world, PARTICLE_SHIFT, 0, at, weights, times(wanted - stopped, n))
+    move_apart(world, PARTICLE_SHIFT, at, weights, times(wanted - stopped, n))
 
 
 @compiled(inline=True)

@@ -1,4 +1,4 @@
-"""Pairs that are near each other: their nearest points, normals and mobility, kept while impulses change velocities."""
+"""Pairs that are near each other: their nearest points, normals and responses, kept while impulses change velocities."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus
@@ -8,6 +8,7 @@ from kickdrift.world.deformables.chunks import Numbers, for_chunks
 from kickdrift.world.deformables.layout import (
     CROSSING_COUNT,
     FIRST_HELD,
+    GIVES,
     NEAR_AHEAD,
     NEXT_HELD,
     NONE_HELD,
@@ -29,6 +30,7 @@ from kickdrift.world.tables import (
     CLOTH_PAIR,
     CLOTH_PAIR_NUMBERS,
     CLOTH_SEARCH,
+    INTERVAL_START,
     NEAR_PAIR,
     PARTICLE,
     ZONE,
@@ -142,7 +144,7 @@ def is_free(world: int, row: int) -> bool:
 
 @compiled
 def _lay(world: int, row: int) -> None:
-    """Compute the nearest points, normal and mobility of a pair, which are kept while impulses change its velocities."""
+    """Compute the nearest points, normal and response of a pair, which are kept while impulses change its velocities."""
     particle, numbers = floats(world, PARTICLE), floats(world, CLOTH_PAIR_NUMBERS)
     at = particles_of(world, row)
     p, a, b, c = at
@@ -155,7 +157,7 @@ def _lay(world: int, row: int) -> None:
     )
     apart = length(way)
     takes = apart > 0.0 and not _is_beside(world, row, weights, way)
-    numbers[row, PAIR_APART], numbers[row, PAIR_GIVES] = apart, mobility(world, at, weights) if takes else 0.0
+    numbers[row, PAIR_APART], numbers[row, PAIR_GIVES] = apart, response(world, at, weights) if takes else 0.0
     for k in range(4):
         numbers[row, PAIR_WEIGHTS + k] = weights[k]
     for k in range(3):
@@ -181,8 +183,27 @@ def _is_beside(world: int, row: int, weights: Weights, way: Vector) -> bool:
 
 @compiled(inline=True)
 def mobility(world: int, at: Corners, weights: Weights) -> float:
-    """Return the change of the relative velocity of the points of a pair by a unit impulse between them, 1/kg."""
+    """Return by how much the points of a pair move apart if its particles, except pinned ones, share a displacement, 1/kg."""
     particle, total = floats(world, PARTICLE), 0.0
     for k in range(4):
         total += weights[k] * weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]
     return total
+
+
+@compiled(inline=True)
+def response(world: int, at: Corners, weights: Weights) -> float:
+    """Return the change of the relative velocity of the points of a pair by a unit impulse between them, 1/kg."""
+    total = 0.0
+    for k in range(4):
+        total += weights[k] * weights[k] * inverse_mass(world, at[k])
+    return total
+
+
+@compiled(inline=True)
+def inverse_mass(world: int, i: int) -> float:
+    """Return the inverse mass of a particle for impulses of pairs, 1/kg.
+
+    One that is pinned to a dynamic body takes them as if it was free, and shares them with the body in the next part.
+    """
+    own: float = floats(world, PARTICLE)[i, PARTICLE_INVERSE_MASS]
+    return own if own > 0.0 else float(floats(world, INTERVAL_START)[i, GIVES])

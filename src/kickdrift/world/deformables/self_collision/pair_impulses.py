@@ -21,7 +21,7 @@ from kickdrift.world.deformables.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
 )
-from kickdrift.world.deformables.self_collision.near_pairs import is_laid, note_near, particles_of
+from kickdrift.world.deformables.self_collision.near_pairs import inverse_mass, is_laid, note_near, particles_of
 from kickdrift.world.deformables.self_collision.proximity import Corners, Weights, closing, less_mean, mixed
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING, untangle
@@ -95,9 +95,9 @@ def hold_pairs(world: int, part: float, push: float) -> None:
         gap = dot(n, mixed(weights, particle, at, 0)) - numbers[row, PAIR_DISTANCE]
         if gap < 0.0:
             out = min(-share * gap, part * push)
-            add(world, PARTICLE, 0, at, weights, times(out / numbers[row, PAIR_GIVES], n))
+            move_apart(world, PARTICLE, at, weights, times(out / numbers[row, PAIR_GIVES], n))
         impulse = _stopping(world, row, mixed(weights, particle, at, PARTICLE_VELOCITY), -max(gap, 0.0) / part)
-        add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
+        add_impulse(world, at, weights, impulse)
         row = pair[row, NEXT_HELD]
 
 
@@ -148,15 +148,28 @@ def give_late(world: int, at: Corners, weights: Weights, impulse: Vector, late: 
     An impulse that moved them for the whole interval would strain the cloth without being stopped by its forces, which do work
     on it afterwards. By that work folds tremble for ever.
     """
-    add(world, PARTICLE, PARTICLE_VELOCITY, at, weights, impulse)
-    add(world, PARTICLE_SHIFT, 0, at, weights, times(-late, impulse))
+    add_impulse(world, at, weights, impulse)
+    move_apart(world, PARTICLE_SHIFT, at, weights, times(-late, impulse))
 
 
 @compiled(inline=True)
-def add(world: int, table: Table, first: int, at: Corners, weights: Weights, impulse: Vector) -> None:
-    """Add the changes by an impulse between the points of a pair to three columns of its particles."""
+def add_impulse(world: int, at: Corners, weights: Weights, impulse: Vector) -> None:
+    """Apply an impulse between the points of a pair to the velocities of its particles."""
+    particle = floats(world, PARTICLE)
+    for k in range(4):
+        share = weights[k] * inverse_mass(world, at[k])
+        for axis in range(3):
+            particle[at[k], PARTICLE_VELOCITY + axis] += share * impulse[axis]
+
+
+@compiled(inline=True)
+def move_apart(world: int, table: Table, at: Corners, weights: Weights, way: Vector) -> None:
+    """Add displacements of the particles of a pair, except pinned ones, to the first three columns of a table.
+
+    The points of the pair move apart by `way`, kg m, times its mobility.
+    """
     particle, values = floats(world, PARTICLE), floats(world, table)
     for k in range(4):
         share = weights[k] * particle[at[k], PARTICLE_INVERSE_MASS]
         for axis in range(3):
-            values[at[k], first + axis] += share * impulse[axis]
+            values[at[k], axis] += share * way[axis]
