@@ -97,11 +97,12 @@ def lines_on(mesh: ClothMesh) -> Lines:
     edges = edges[edges[:, 0] != edges[:, 1]]  # a segment of a rope is a triangle, two of whose corners coincide
     lengths = np.linalg.norm(mesh.vertices[edges[:, 1]] - mesh.vertices[edges[:, 0]], axis=1)
     found = [Lines(edges[:, 0], edges[:, 1], lengths)]
-    twins, windows = _twins(mesh), _opposite_sides(mesh)
+    twins = _twins(mesh)
+    windows = _opposite_sides(mesh, twins)
     for _ in range(_SIDES):
-        windows = windows._replace(side=twins[windows.side]).some(twins[windows.side] != NONE)
-        lines, windows = _beyond(mesh, windows)
+        lines, windows = _beyond(mesh, windows._replace(side=twins[windows.side]))
         found.append(lines)
+        windows = windows.some(twins[windows.side] != NONE)
     whole = Lines._make(np.concatenate(column) for column in zip(*found, strict=True))
     return _shortest(whole, len(mesh.vertices))
 
@@ -126,10 +127,9 @@ def _twins(mesh: ClothMesh) -> Integers:
     return twins
 
 
-def _opposite_sides(mesh: ClothMesh) -> _Windows:
-    """Return the side of each triangle that is seen from each of its corners; `side` is of this triangle."""
-    corner = np.arange(3 * len(mesh.triangles))
-    triangle, k = np.divmod(corner, 3)
+def _opposite_sides(mesh: ClothMesh, twins: Integers) -> _Windows:
+    """Return the sides of triangles that are seen from their corners and have another one behind; `side` is of the first."""
+    triangle, k = np.divmod(np.flatnonzero(np.roll(twins.reshape(-1, 3), -1, axis=1).ravel() != NONE), 3)
     source, right, left = (mesh.triangles[triangle, (k + step) % 3] for step in range(3))
     p, q = mesh.vertices[right] - mesh.vertices[source], mesh.vertices[left] - mesh.vertices[source]
     along = np.linalg.norm(p, axis=1)
