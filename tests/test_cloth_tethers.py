@@ -132,7 +132,7 @@ def test_a_heavy_ball_does_not_stretch_a_light_rope(density, pinned_to_cart):
 
 @SOFTER
 def test_a_ball_swings_on_a_tethered_rope_as_a_pendulum():
-    world, rope, ball = ball_on_a_rope(1e-4, 1e4)
+    world, _, ball = ball_on_a_rope(1e-4, 1e4)
     places = []
     for _ in range(240):
         world.advance(STEP, 1)

@@ -107,7 +107,7 @@ BATCH = Table(64, 4, whole=True)
 MEMBERSHIP = Table(65, 2, whole=True)  # of each body
 
 # Cloths: see `kickdrift.world.deformables.layout`
-CLOTH, CLOTH_NUMBERS = Table(66, 26, whole=True), Table(67, 32)
+CLOTH, CLOTH_NUMBERS = Table(66, 27, whole=True), Table(67, 32)
 PARTICLE, PARTICLE_LANES = Table(68, 8), Table(69, 1)  # see `kickdrift.world.deformables.particle_fields`
 PARTICLE_COUPLINGS = Table(72, 2, whole=True)
 FACE = Table(70, 4, whole=True)  # a triangle of a cloth

@@ -20,6 +20,7 @@ STIRRED = 2  # value of IS_ASLEEP: they sleep, but the user has moved them
 DIMENSION = column(t.CLOTH)
 FIRST_TETRAHEDRON, LAST_TETRAHEDRON = column(t.CLOTH), column(t.CLOTH)
 FIRST_TETHER, LAST_TETHER = column(t.CLOTH), column(t.CLOTH)
+LAST_FREE_TETHER = column(t.CLOTH)  # one after the last of a particle that is not pinned
 ROPE, SHEET, VOLUME = 1, 2, 3  # values of DIMENSION
 
 # CLOTH_NUMBERS

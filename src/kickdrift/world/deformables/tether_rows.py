@@ -17,7 +17,7 @@ def put_tethers(tables: Tables) -> None:
     for table in (TETHER, TETHER_NUMBERS):
         tables.resize(table, 0)
     for row, own in enumerate(tables.array(CLOTH)):
-        own[[c.FIRST_TETHER, c.LAST_TETHER]] = tables.count(TETHER)
+        own[[c.FIRST_TETHER, c.LAST_FREE_TETHER, c.LAST_TETHER]] = tables.count(TETHER)
         if tables.array(CLOTH_NUMBERS)[row, c.TETHER_STRAIN] > 0.0:
             _put_tethers_of(tables, row)
 
@@ -32,7 +32,9 @@ def _put_tethers_of(tables: Tables, row: int) -> None:
     lengths, nearest = shortest_ways(lines_on(mesh_in(tables, row)), len(pins), anchors)
     lengths[anchors] = np.inf
     tethered, first = np.flatnonzero(np.isfinite(lengths)), tables.count(TETHER)
+    tethered = tethered[np.argsort(pins[tethered] != FREE, kind="stable")]
     own[c.LAST_TETHER] = first + len(tethered)
+    own[c.LAST_FREE_TETHER] = first + np.count_nonzero(pins[tethered] == FREE)
     ends = tables.resize(TETHER, int(own[c.LAST_TETHER]))[first:]
     ends[:, c.TETHERED], ends[:, c.TETHER_PIN] = own[c.FIRST_PARTICLE] + tethered, pins[tethered]
     ends[:, c.TETHER_ANCHOR] = own[c.FIRST_PARTICLE] + nearest[tethered]

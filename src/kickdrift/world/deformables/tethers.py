@@ -8,10 +8,13 @@ vertex would go beyond its tether in a part of a substep, an impulse along the l
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times
 from kickdrift.world.columns import vector_at
+from kickdrift.world.contacts.layout import TETHER_CHUNK
 from kickdrift.world.deformables.body_contacts.body_impulses import mutual_response, push_body
-from kickdrift.world.deformables.body_contacts.pinned_corners import FREE, arm_of_pin, velocity_with
+from kickdrift.world.deformables.body_contacts.pinned_corners import arm_of_pin, velocity_with
+from kickdrift.world.deformables.chunks import Numbers, for_chunks
 from kickdrift.world.deformables.layout import (
     FIRST_TETHER,
+    LAST_FREE_TETHER,
     LAST_TETHER,
     PARTICLE_VELOCITY,
     PINNED_BODY,
@@ -22,6 +25,8 @@ from kickdrift.world.deformables.layout import (
 )
 from kickdrift.world.tables import CLOTH, PARTICLE, PIN, TETHER, TETHER_NUMBERS, floats, integers
 
+_IN_CHUNK = 512  # tethers
+
 
 @compiled
 def hold_tethers(world: int, cloth: int, part: float, push: float, left: float) -> None:
@@ -30,43 +35,55 @@ def hold_tethers(world: int, cloth: int, part: float, push: float, left: float) 
     Those that are beyond it already are moved back, at most with the speed `push`, m/s, without gaining velocity. Bodies to
     which vertices are pinned are stopped with them, and move with the change for the time `left` in the substep, s.
     """
-    own, tether, particle = integers(world, CLOTH), integers(world, TETHER), floats(world, PARTICLE)
-    for row in range(own[cloth, FIRST_TETHER], own[cloth, LAST_TETHER]):
-        i, pin, anchor = tether[row, TETHERED], tether[row, TETHER_PIN], tether[row, TETHER_ANCHOR]
-        most, way = floats(world, TETHER_NUMBERS)[row, TETHER_LENGTH], _from_anchor(world, i, anchor)
-        if pin == FREE and dot(way, way) > most * most:
-            _move_back(world, i, way, length(way) - most, part * push)
-            way = _from_anchor(world, i, anchor)
-        v = minus(velocity_with(world, i, pin), vector_at(particle, anchor, PARTICLE_VELOCITY))
-        ahead = plus(way, times(part, v))
-        if dot(ahead, ahead) > most * most:
-            reach, allowed = length(ahead), max(most, length(way))
-            if reach > allowed:
-                _slow_down(world, i, pin, times(1.0 / reach, ahead), (reach - allowed) / part, left)
+    own = integers(world, CLOTH)
+    first, bodies, last = own[cloth, FIRST_TETHER], own[cloth, LAST_FREE_TETHER], own[cloth, LAST_TETHER]
+    for_chunks(world, TETHER_CHUNK, _IN_CHUNK, cloth, first, bodies, (part, push, 0.0, 0.0, 0.0))
+    for row in range(bodies, last):
+        _hold_body(world, row, part, left)
 
 
-@compiled(inline=True)
-def _from_anchor(world: int, i: int, anchor: int) -> Vector:
-    """Return the vector from a pinned particle to another one, m."""
-    particle = floats(world, PARTICLE)
-    return minus(vector_at(particle, i, 0), vector_at(particle, anchor, 0))
-
-
-@compiled(inline=True)
-def _move_back(world: int, i: int, way: Vector, beyond: float, most: float) -> None:
-    """Move a particle by how far it is beyond its tether, but by no more than `most`, m."""
-    particle, share = floats(world, PARTICLE), min(beyond, most) / length(way)
-    for k in range(3):
-        particle[i, k] -= share * way[k]
-
-
-@compiled(inline=True)
-def _slow_down(world: int, i: int, pin: int, n: Vector, by: float, left: float) -> None:
-    """Reduce the velocity of a particle along n, or that of its point of the body to which it is pinned, m/s."""
-    if pin == FREE:
-        particle = floats(world, PARTICLE)
+@compiled
+def hold_some(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
+    """Hold vertices that are not pinned by some tethers; the numbers are the part and the speed."""
+    tether, particle, part, push = integers(world, TETHER), floats(world, PARTICLE), numbers[0], numbers[1]
+    for row in range(first, last):
+        i, most, way = tether[row, TETHERED], floats(world, TETHER_NUMBERS)[row, TETHER_LENGTH], _way(world, row)
+        if dot(way, way) > most * most:
+            apart = length(way)
+            share = min(apart - most, part * push) / apart
+            for k in range(3):
+                particle[i, k] -= share * way[k]
+            way = times(1.0 - share, way)
+        n, faster = _beyond(world, row, way, vector_at(particle, i, PARTICLE_VELOCITY), part)
         for k in range(3):
-            particle[i, PARTICLE_VELOCITY + k] -= by * n[k]
-        return
-    body, arm = integers(world, PIN)[pin, PINNED_BODY], arm_of_pin(world, pin)
-    push_body(world, body, arm, times(-by / mutual_response(world, body, arm, arm, n), n), left)
+            particle[i, PARTICLE_VELOCITY + k] -= faster * n[k]
+
+
+@compiled
+def _hold_body(world: int, row: int, part: float, left: float) -> None:
+    """Hold a vertex that is pinned to a body."""
+    tether = integers(world, TETHER)
+    pin, v = tether[row, TETHER_PIN], velocity_with(world, tether[row, TETHERED], tether[row, TETHER_PIN])
+    n, faster = _beyond(world, row, _way(world, row), v, part)
+    if faster > 0.0:
+        body, arm = integers(world, PIN)[pin, PINNED_BODY], arm_of_pin(world, pin)
+        push_body(world, body, arm, times(-faster / mutual_response(world, body, arm, arm, n), n), left)
+
+
+@compiled(inline=True)
+def _way(world: int, row: int) -> Vector:
+    """Return the vector from the anchor of a tether to its vertex, m."""
+    tether, particle = integers(world, TETHER), floats(world, PARTICLE)
+    return minus(vector_at(particle, tether[row, TETHERED], 0), vector_at(particle, tether[row, TETHER_ANCHOR], 0))
+
+
+@compiled(inline=True)
+def _beyond(world: int, row: int, way: Vector, v: Vector, part: float) -> tuple[Vector, float]:
+    """Return a direction, and by how much a vertex is too fast along it to be at the end of its tether after a part, m/s."""
+    anchor, most = integers(world, TETHER)[row, TETHER_ANCHOR], floats(world, TETHER_NUMBERS)[row, TETHER_LENGTH]
+    ahead = plus(way, times(part, minus(v, vector_at(floats(world, PARTICLE), anchor, PARTICLE_VELOCITY))))
+    if dot(ahead, ahead) > most * most:
+        reach, allowed = length(ahead), max(most, length(way))
+        if reach > allowed:
+            return times(1.0 / reach, ahead), (reach - allowed) / part
+    return (0.0, 0.0, 0.0), 0.0

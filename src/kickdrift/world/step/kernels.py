@@ -14,6 +14,7 @@ from kickdrift.world.contacts.layout import (
     PAIR_CHUNK,
     REPAIR_POSES,
     SOLVE_EQUATIONS,
+    TETHER_CHUNK,
     THREADED_LOOP,
     THREADED_SEARCH,
     TURNING_CHUNK,
@@ -28,6 +29,7 @@ from kickdrift.world.deformables.particle_fields import drift_some, kick_some
 from kickdrift.world.deformables.self_collision.near_pairs import lay_some
 from kickdrift.world.deformables.self_collision.parallel_search import SIGNATURE as SEARCH
 from kickdrift.world.deformables.self_collision.parallel_search import search_threaded
+from kickdrift.world.deformables.tethers import hold_some
 from kickdrift.world.direct.active_set import solve_island
 from kickdrift.world.direct.island_calls import AIM, REPAIR, SOLVE
 from kickdrift.world.direct.island_right_hand_sides import aim_joints
@@ -55,6 +57,7 @@ _CLOTHS = tuple(
         (CONTACT_CHUNK, resolve_rows),
         (DRIFT_CHUNK, drift_some),
         (PAIR_CHUNK, lay_some),
+        (TETHER_CHUNK, hold_some),
     )
 )
 _THREADS = Kernel(THREADED_LOOP, run_threaded, LOOP), Kernel(THREADED_SEARCH, search_threaded, SEARCH)
