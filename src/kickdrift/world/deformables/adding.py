@@ -46,7 +46,8 @@ class AddsCloths(AddsDeformables):
         name : str, optional
         **fabric
             `density`, `thickness`, `stretch_stiffness`, `shear_stiffness`, `bending_stiffness`, `damping`, `linear_damping`,
-            `friction`, `drag`, `lift`, `air_density` and `tear_strain`, as in `kickdrift.world.deformables.fabric.Fabric`.
+            `friction`, `drag`, `lift`, `air_density`, `tear_strain` and `tether_strain`, as in
+            `kickdrift.world.deformables.fabric.Fabric`.
 
         Returns
         -------

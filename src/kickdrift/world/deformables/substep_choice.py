@@ -75,4 +75,6 @@ def softness(words: str, dimension: int, numbers: Floats) -> str:
     ]
     if not found:
         return ""
-    return f" Of {words}, as much as the step allows: {', '.join(found)}; more substeps or {_LARGER[dimension]} allow more."
+    tethers = ", and tether_strain bounds the stretch" if dimension != c.VOLUME and not numbers[c.TETHER_STRAIN] else ""
+    more = f"more substeps or {_LARGER[dimension]} allow more{tethers}"
+    return f" Of {words}, as much as the step allows: {', '.join(found)}; {more}."
