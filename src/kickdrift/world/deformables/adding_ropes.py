@@ -33,8 +33,8 @@ class AddsRopes(AddsDeformables):
             Whether it collides with itself; it always collides with other ropes, and with cloths.
         name : str, optional
         **material
-            `radius`, `density` (kg/m), `stretch_stiffness` (N), `bending_stiffness` (N m^2), `damping`, `linear_damping` and
-            `friction`, as in `kickdrift.world.deformables.rope_material.RopeMaterial`.
+            `radius`, `density` (kg/m), `stretch_stiffness` (N), `bending_stiffness` (N m^2), `damping`, `linear_damping`,
+            `friction` and `tether_strain`, as in `kickdrift.world.deformables.rope_material.RopeMaterial`.
 
         Returns
         -------
