@@ -37,7 +37,7 @@ LOAD = Table(5, 8)  # forces that users apply during the next step
 RESTED = Table(36, 12)
 FORCE = Table(35, 12)  # in this substep
 KICKED = Table(6, 24)  # data that `kickdrift.world.integration` carries from kick to drift
-CLOTH_LOAD = Table(109, 75)  # of cloths on bodies
+CLOTH_LOAD = Table(109, 67)  # of cloths on bodies
 NOTED = Table(19, MOTION.width)  # MOTION before a solution of the direct solver; or while impacts are found, support
 BODY = Table(7, 16, whole=True)
 # Shapes

@@ -38,7 +38,7 @@ from kickdrift.world.deformables.layout import (
     VOLUME,
 )
 from kickdrift.world.deformables.particle_fields import drift_particles, fill_lanes, kick_by_forces
-from kickdrift.world.deformables.pins import carry_pins, free_pins, pull_bodies
+from kickdrift.world.deformables.pins import carry_pins, note_inverse_masses, pull_bodies
 from kickdrift.world.deformables.self_collision.cloth_pairs import find_cloth_pairs, meets
 from kickdrift.world.deformables.self_collision.continuous_collision import stop_crossings
 from kickdrift.world.deformables.self_collision.near_pairs import begin_interval
@@ -117,7 +117,7 @@ def _begin(world: int, h: float) -> None:
         least = min(least, 2.0 * floats(world, CLOTH_NUMBERS)[cloth, CLOTH_RADIUS])
     for cloth in range(rows(world, CLOTH)):
         add_wind(world, cloth, h, h / parts)
-    free_pins(world)
+    note_inverse_masses(world)
     set_frame(world)
     way = approach(world, h)
     search[0, SHARED_PARTS] = parts
@@ -209,7 +209,7 @@ def _push(world: int, cloth: int, part: float, begins: bool, ends: bool, left: f
         add_membrane(world, cloth, share, damped)
     add_bending(world, cloth, share, damped)
     _kick(world, cloth, part, share, begins, left)
-    hold_tethers(world, cloth, part, push, left)
+    hold_tethers(world, cloth, part, left)
     resolve_contacts(world, cloth, part, push, left)
     pull_bodies(world, cloth, 0.0, (0.0, 0.0, 0.0), left, False)
 

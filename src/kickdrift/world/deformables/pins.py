@@ -6,39 +6,42 @@ conserved.
 """
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, applied, conjugate, cross, dot, minus, plus, product, rotation_vector, times
-from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
+from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.deformables.body_contacts.body_impulses import displace, move_on
 from kickdrift.world.deformables.body_contacts.pinned_corners import arm_of_pin
 from kickdrift.world.deformables.layout import (
     FIRST_PIN,
     GIVES,
     LAST_PIN,
-    MOVED_WITH,
-    NOTED_ORIENTATION,
-    NOTED_POSITION,
+    MOST_WITHHELD,
+    NOTED_DELTA,
     PARTICLE_MASS,
     PARTICLE_VELOCITY,
+    PIN_POSITION,
     PINNED_BODY,
     PINNED_PARTICLE,
 )
 from kickdrift.world.deformables.particle_fields import force_on
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
+    DISPLACEMENT,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
-    ORIENTATION,
     POSITION,
+    ROTATION,
     VELOCITY,
 )
 from kickdrift.world.tables import (
     CLOTH,
     CLOTH_LOAD,
+    DELTA_POSE,
     INTERVAL_START,
     INVERSE_MASS,
     MOTION,
     PARTICLE,
     PIN,
+    PIN_NUMBERS,
     POSE,
     floats,
     integers,
@@ -71,14 +74,12 @@ def _pull_body(world: int, first: int, last: int, part: float, fall: Vector, lef
     if floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] == 0.0:
         _carry(world, first, last, u, w)
         return
-    moved = _mean_motion(world, body, left) if begins else _moved_with(world, body)
+    moved = _freed_motion(world, first, last, left, (u, w)) if begins else (u, w)
     shift, turn = _shared(world, first, last, part, fall, (u, w))
     way, rotation = _shared(world, first, last, part, fall, moved) if begins else (shift, turn)
     _carry(world, first, last, shift, turn)
     move_on(world, body, minus(shift, u), minus(turn, w), 0.0)
     displace(world, body, times(left, minus(way, moved[0])), times(left, minus(rotation, moved[1])))
-    for k in range(6):
-        floats(world, CLOTH_LOAD)[body, MOVED_WITH + k] = motion[body, VELOCITY + k]
 
 
 @compiled(inline=True)
@@ -91,21 +92,21 @@ def _carry(world: int, first: int, last: int, u: Vector, w: Vector) -> None:
             particle[pin[k, PINNED_PARTICLE], PARTICLE_VELOCITY + j] = v[j]
 
 
-@compiled(inline=True)
-def _moved_with(world: int, body: int) -> tuple[Vector, Vector]:
-    """Return the velocity and angular velocity with which a body has moved since impulses changed them."""
-    load = floats(world, CLOTH_LOAD)
-    return vector_at(load, body, MOVED_WITH), vector_at(load, body, MOVED_WITH + 3)
-
-
 @compiled
-def _mean_motion(world: int, body: int, h: float) -> tuple[Vector, Vector]:
-    """Return the mean velocity and angular velocity of a body in a substep, s, from its displacement."""
-    pose, load = floats(world, POSE), floats(world, CLOTH_LOAD)
-    way = minus(vector_at(pose, body, POSITION), vector_at(load, body, NOTED_POSITION))
-    before = quaternion_at(load, body, NOTED_ORIENTATION)
-    turn = rotation_vector(product(quaternion_at(pose, body, ORIENTATION), conjugate(before)))
-    return times(1.0 / h, way), times(1.0 / h, turn)
+def _freed_motion(world: int, first: int, last: int, h: float, motion: tuple[Vector, Vector]) -> tuple[Vector, Vector]:
+    """Return the motion of a body, plus the rates at which it has moved and turned beside it in a substep, s.
+
+    Differences as large as loads that contacts hold are left out, which are also those of free flight with its midpoint.
+    """
+    delta, load, body = floats(world, DELTA_POSE), floats(world, CLOTH_LOAD), integers(world, PIN)[first, PINNED_BODY]
+    (u, w), r = motion, 0.0
+    for k in range(first, last):
+        r = max(r, length(vector_at(floats(world, PIN_NUMBERS), k, PIN_POSITION)))
+    way = minus(minus(vector_at(delta, body, DISPLACEMENT), vector_at(load, body, NOTED_DELTA)), times(h, u))
+    turn = minus(minus(vector_at(delta, body, ROTATION), vector_at(load, body, NOTED_DELTA + 3)), times(h, w))
+    size, most = length(way) + r * length(turn), h * load[body, MOST_WITHHELD]
+    beside = max(1.0 - most / size, 0.0) / h if size > 0.0 else 0.0
+    return plus(u, times(beside, way)), plus(w, times(beside, turn))
 
 
 @compiled
@@ -152,8 +153,8 @@ def _solved(a: Vector, b: Vector, c: Vector, right: Vector) -> Vector:
 
 
 @compiled
-def free_pins(world: int) -> None:
-    """Have the particles pinned to dynamic bodies take impulses of pairs as if they were free."""
+def note_inverse_masses(world: int) -> None:
+    """Store the inverse masses that particles pinned to dynamic bodies have for impulses of pairs."""
     pin, particle, start = integers(world, PIN), floats(world, PARTICLE), floats(world, INTERVAL_START)
     for i in range(rows(world, PARTICLE)):
         start[i, GIVES] = 0.0

@@ -1,4 +1,4 @@
-"""Tethers: vertices are never farther from a pinned one than the way along the unstretched cloth, times a factor.
+"""Tethers: vertices go no farther from a pinned one than the way along the unstretched cloth, times a factor.
 
 Forces alone stretch a cloth that the step has made softer, while each tether acts over the whole way at once (Kim, Chentanez
 and Mueller-Fischer, Long range attachments: a method to simulate inextensible clothing in computer games, SCA 2012). Where a
@@ -29,32 +29,26 @@ _IN_CHUNK = 512  # tethers
 
 
 @compiled
-def hold_tethers(world: int, cloth: int, part: float, push: float, left: float) -> None:
+def hold_tethers(world: int, cloth: int, part: float, left: float) -> None:
     """Stop vertices that would go beyond the length of their tether in a part of a substep, s.
 
-    Those that are beyond it already are moved back, at most with the speed `push`, m/s, without gaining velocity. Bodies to
-    which vertices are pinned are stopped with them, and move with the change for the time `left` in the substep, s.
+    Those that contacts or moving pins have brought beyond it go no farther; to move them back would do work. Bodies to which
+    vertices are pinned are stopped with them, and move with the change for the time `left` in the substep, s.
     """
     own = integers(world, CLOTH)
     first, bodies, last = own[cloth, FIRST_TETHER], own[cloth, LAST_FREE_TETHER], own[cloth, LAST_TETHER]
-    for_chunks(world, TETHER_CHUNK, _IN_CHUNK, cloth, first, bodies, (part, push, 0.0, 0.0, 0.0))
+    for_chunks(world, TETHER_CHUNK, _IN_CHUNK, cloth, first, bodies, (part, 0.0, 0.0, 0.0, 0.0))
     for row in range(bodies, last):
         _hold_body(world, row, part, left)
 
 
 @compiled
 def hold_some(world: int, cloth: int, first: int, last: int, numbers: Numbers) -> None:
-    """Hold vertices that are not pinned by some tethers; the numbers are the part and the speed."""
-    tether, particle, part, push = integers(world, TETHER), floats(world, PARTICLE), numbers[0], numbers[1]
+    """Hold vertices that are not pinned by some tethers; the first of the numbers is the part."""
+    particle, part = floats(world, PARTICLE), numbers[0]
     for row in range(first, last):
-        i, most, way = tether[row, TETHERED], floats(world, TETHER_NUMBERS)[row, TETHER_LENGTH], _way(world, row)
-        if dot(way, way) > most * most:
-            apart = length(way)
-            share = min(apart - most, part * push) / apart
-            for k in range(3):
-                particle[i, k] -= share * way[k]
-            way = times(1.0 - share, way)
-        n, faster = _beyond(world, row, way, vector_at(particle, i, PARTICLE_VELOCITY), part)
+        i = integers(world, TETHER)[row, TETHERED]
+        n, faster = _beyond(world, row, _way(world, row), vector_at(particle, i, PARTICLE_VELOCITY), part)
         for k in range(3):
             particle[i, PARTICLE_VELOCITY + k] -= faster * n[k]
 

@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, exponential, minus, product, times
 from kickdrift.world.collision.body_acceleration import acceleration
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.deformables.layout import CARRIES, GIVEN_CHANGE, HELD, MOST_WITHHELD, WITHHELD_CHANGE
+from kickdrift.world.deformables.layout import GIVEN_CHANGE, HELD, MOST_WITHHELD, WITHHELD_CHANGE
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     DISPLACEMENT,
@@ -86,15 +86,14 @@ def move_on(world: int, body: int, shift: Vector, turn: Vector, left: float) -> 
     """Add to the velocity and the angular velocity of a body, and move it with these for the time `left`, s.
 
     The body has drifted through the substep already. If the changes acted on its pose in the next substep only, a load on
-    a spring of cloth would gain energy: a lag of h / 2 is a negative damping. Bodies that carry particles move with these.
+    a spring of cloth would gain energy: a lag of h / 2 is a negative damping.
     """
     shift = _within_plane(world, shift)
     motion = floats(world, MOTION)
     for k in range(3):
         motion[body, VELOCITY + k] += shift[k]
         motion[body, ANGULAR_VELOCITY + k] += turn[k]
-    if floats(world, CLOTH_LOAD)[body, CARRIES] == 0.0:
-        displace(world, body, times(left, shift), times(left, turn))
+    displace(world, body, times(left, shift), times(left, turn))
 
 
 @compiled

@@ -22,17 +22,14 @@ from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, accele
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.deformables.body_contacts.body_impulses import move_on
 from kickdrift.world.deformables.layout import (
-    CARRIES,
     GIVEN_CHANGE,
     GIVEN_FORCE,
     HELD,
     IS_ASLEEP,
     MOST_WITHHELD,
-    NOTED_ORIENTATION,
-    NOTED_POSITION,
+    NOTED_DELTA,
     NOTED_SPIN,
     NOTED_VELOCITY,
-    PINNED_BODY,
     STARTED_LOAD,
     STEADY_FORCE,
     STEADY_TORQUE,
@@ -46,13 +43,13 @@ from kickdrift.world.layout import (
     BODY_INERTIA,
     BODY_KIND,
     DAMPING,
+    DISPLACEMENT,
     DYNAMIC,
     IN_HEAP,
     INVERSE_INERTIA_IN_WORLD,
     INVERSE_LINEAR_MASS,
     LINK_COUNT,
     ORIENTATION,
-    POSITION,
     SUBSTEP_FORCE,
     SUBSTEP_TORQUE,
     TURN_DAMPING,
@@ -64,11 +61,11 @@ from kickdrift.world.tables import (
     BODY,
     CLOTH,
     CLOTH_LOAD,
+    DELTA_POSE,
     FORCE,
     INERTIA,
     INVERSE_MASS,
     MOTION,
-    PIN,
     POSE,
     SETTINGS,
     Tables,
@@ -89,17 +86,16 @@ _LEAST = 1e-2  # of a kick: components from which what is left of them is measur
 
 @compiled
 def predict_loads(t: float, h: float, world: int) -> None:
-    """Add the loads of cloths to the forces on bodies, whose motion and pose are noted."""
+    """Add the loads of cloths to the forces on bodies, whose motion is noted."""
     if integers(world, CLOTH)[0, IS_ASLEEP] != 0:
         return
-    load, motion, pose = floats(world, CLOTH_LOAD), floats(world, MOTION), floats(world, POSE)
+    load, motion, delta = floats(world, CLOTH_LOAD), floats(world, MOTION), floats(world, DELTA_POSE)
     for body in range(rows(world, CLOTH_LOAD)):
         spin = _spin(world, body)
         for k in range(3):
             load[body, NOTED_VELOCITY + k], load[body, NOTED_SPIN + k] = motion[body, VELOCITY + k], spin[k]
-            load[body, NOTED_POSITION + k] = pose[body, POSITION + k]
-        for k in range(4):
-            load[body, NOTED_ORIENTATION + k] = pose[body, ORIENTATION + k]
+        for k in range(6):
+            load[body, NOTED_DELTA + k] = delta[body, DISPLACEMENT + k]
     _add_forces(world, h, 1.0)
 
 
@@ -129,9 +125,6 @@ def begin_loads(world: int, h: float) -> None:
             _find_held(world, body, h)
         for k in range(6):
             load[body, WITHHELD_CHANGE + k] = load[body, GIVEN_CHANGE + k] = 0.0
-        load[body, CARRIES] = 0.0
-    for pin in range(rows(world, PIN)):
-        load[integers(world, PIN)[pin, PINNED_BODY], CARRIES] = 1.0
     _add_forces(world, h, -1.0)
 
 

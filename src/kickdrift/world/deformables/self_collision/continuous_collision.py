@@ -98,7 +98,7 @@ def _correct(world: int, row: int, interval: float, part: float, weights: Weight
     wanted = (apart - end) / mobility(world, at, weights)
     approach = -dot(n, mixed(weights, particle, at, PARTICLE_VELOCITY))
     stopped = min(wanted, part * max(approach, 0.0) / response(world, at, weights))
-    give_late(world, at, weights, times(stopped / part, n), interval - part)
+    give_late(world, at, weights, times(stopped / part, n), interval, part)
     move_apart(world, PARTICLE_SHIFT, at, weights, times(wanted - stopped, n))
 
 

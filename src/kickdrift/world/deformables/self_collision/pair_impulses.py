@@ -111,7 +111,7 @@ def _resolve(world: int, row: int, interval: float, part: float) -> None:
     if gap > 0.0 and gap * gap > dot(moved, moved):
         return
     gap += dot(vector_at(numbers, row, PAIR_NORMAL), minus(moved, times(part, v)))
-    give_late(world, at, weights, _stopping(world, row, v, -max(gap, 0.0) / part), interval - part)
+    give_late(world, at, weights, _stopping(world, row, v, -max(gap, 0.0) / part), interval, part)
 
 
 @compiled(inline=True)
@@ -142,14 +142,19 @@ def _weights(numbers: Any, row: int) -> Weights:
 
 
 @compiled(inline=True)
-def give_late(world: int, at: Corners, weights: Weights, impulse: Vector, late: float) -> None:
-    """Give the particles of a pair an impulse at the time `late`, s, in an interval: until then they do not move with it.
+def give_late(world: int, at: Corners, weights: Weights, impulse: Vector, interval: float, part: float) -> None:
+    """Give the particles of a pair an impulse that acts in the last part of an interval, s; they do not move with it before.
 
     An impulse that moved them for the whole interval would strain the cloth without being stopped by its forces, which do work
-    on it afterwards. By that work folds tremble for ever.
+    on it afterwards. By that work folds tremble for ever. Particles that are pinned to bodies do not move with it at all.
     """
+    particle, shift = floats(world, PARTICLE), floats(world, PARTICLE_SHIFT)
     add_impulse(world, at, weights, impulse)
-    move_apart(world, PARTICLE_SHIFT, at, weights, times(-late, impulse))
+    for k in range(4):
+        late = interval - part if particle[at[k], PARTICLE_INVERSE_MASS] > 0.0 else interval
+        share = late * weights[k] * inverse_mass(world, at[k])
+        for axis in range(3):
+            shift[at[k], axis] -= share * impulse[axis]
 
 
 @compiled(inline=True)
