@@ -55,8 +55,8 @@ def pull_bodies(world: int, cloth: int, part: float, fall: Vector, left: float, 
 
     Bodies move with their changes of velocity for the time `left` in the substep, s. Where it begins, they have moved as if
     nothing was pinned to them, and not always with their velocity: contacts push them apart. So their displacements are shared
-    with their particles like their momentum, as far as they are larger than those of loads at rest. Otherwise a rod that hit the floor turned by 0.4 rad about its axis, and a cloth
-    of five times its mass on both sides gained 900 J.
+    with their particles like their momentum, as far as they are larger than those of loads at rest. Otherwise a rod that hit
+    the floor turned by 0.4 rad about its axis, and a cloth of five times its mass on both sides gained 900 J.
     """
     own, pin = integers(world, CLOTH), integers(world, PIN)
     first, last = own[cloth, FIRST_PIN], own[cloth, LAST_PIN]
