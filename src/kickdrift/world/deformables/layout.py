@@ -227,9 +227,8 @@ INTERVAL = column(t.CLOTH_SEARCH)  # number of parts after which cloth-cloth con
 TRAVELLED = column(t.CLOTH_SEARCH, 1, "m")
 FIRST_HELD = column(t.CLOTH_SEARCH)  # pair, or `NONE_HELD`
 CROSSINGS = column(t.CLOTH_SEARCH)  # number of pairs of triangles that cross
-NEAR_AHEAD = column(
-    t.CLOTH_SEARCH, 1, "m"
-)  # relative displacement of particles for which NEAR_PAIR lists the near pairs
+# relative displacement of particles for which NEAR_PAIR lists the near pairs
+NEAR_AHEAD = column(t.CLOTH_SEARCH, 1, "m")
 
 # Values of SEARCH_STATE
 INVALID = 0.0  # nothing is known
