@@ -25,7 +25,8 @@ from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.planar_contacts import flatten_contact
-from kickdrift.world.contacts.round_cores import RollingCore, radius_at, rolling_core, rolls, spin_axis
+from kickdrift.world.contacts.round_cores import RollingCore, radius_at, rolling_core, rolls
+from kickdrift.world.contacts.round_inputs import gather_cores, gather_spin_axis
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     BODY_ROW,
@@ -35,12 +36,10 @@ from kickdrift.world.layout import (
     ORIENTATION,
     POSITION,
     RADIUS,
-    SHAPE_KIND,
     SURFACE_VELOCITY,
 )
 from kickdrift.world.material_mixing import mixed_friction, mixed_rolling_resistance
 from kickdrift.world.settings import PLANE_NORMAL, STEP, SUBSTEPS
-from kickdrift.world.shapes.kind_numbers import SPHERE
 from kickdrift.world.tables import (
     CONTACT,
     INVERSE_MASS,
@@ -101,16 +100,15 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
         raw[(r.ARM_A + k) * c.WIDTH], raw[(r.ARM_B + k) * c.WIDTH] = arm_a[k], arm_b[k]
         raw[(r.APART + k) * c.WIDTH], scratch[(r.FROM_A_TO_B + k) * c.WIDTH] = apart[k], lay[k]
         raw[(r.TURNING_A + k) * c.WIDTH], raw[(r.TURNING_B + k) * c.WIDTH] = turning_a[k], turning_b[k]
-    _gather_spin_axis(world, row, raw)
+    gather_spin_axis(world, row, raw)
     _gather_points(world, row, round_a, round_b, raw)
+    gather_cores(world, row, turn_a, turn_b, plus(apart, minus(arm_b, arm_a)), raw)
     _gather_masses(world, a, b, raw, scratch)
     weight = max(weight_per_mass(world, a), weight_per_mass(world, b))
     raw[r.LANDING * c.WIDTH] = RESTING_SUBSTEPS * step / floats(world, SETTINGS)[0, SUBSTEPS] * weight
     _gather_surfaces(world, row, soft, softer, raw)
     raw[r.SHARE * c.WIDTH] = _share(rolls(round_a), rolls(round_b), raw[r.MASS_A * c.WIDTH], raw[r.MASS_B * c.WIDTH])
-    place, kinds = floats(world, PLACE), integers(world, SHAPE)
-    balls = kinds[shape_a, SHAPE_KIND] == SPHERE and kinds[shape_b, SHAPE_KIND] == SPHERE
-    raw[r.TURNS * c.WIDTH] = 1.0 if balls and contact[row, c.CONTACT_STATE] & (c.MOVING | c.FAST) != 0 else 0.0
+    place = floats(world, PLACE)
     least = _ROUNDING * smallest(place[shape_a, RADIUS], place[shape_b, RADIUS])
     still = max(_STILL * step * width, least)
     raw[(r.STALE + 1) * c.WIDTH] = still
@@ -150,30 +148,6 @@ def _frames_of_arms(
     for k in range(3):
         manifold[row, c.REST_APART + k] = apart[k]
     return (1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), apart
-
-
-@compiled(inline=True)
-def _cannot_turn(world: int, body: int) -> bool:
-    """Whether impulses do not move a body, and it does not turn."""
-    w = vector_at(floats(world, MOTION), body, ANGULAR_VELOCITY)
-    return bool(floats(world, INVERSE_MASS)[body, INVERSE_LINEAR_MASS] == 0.0 and dot(w, w) == 0.0)
-
-
-@compiled(inline=True)
-def _gather_spin_axis(world: int, row: int, raw: Any) -> None:
-    """Gather the axis of a solid of revolution that touches a body that cannot turn; zeros otherwise.
-
-    Between two bodies that move, an impulse without torque about the axis of one would change their angular momentum.
-    """
-    contact, axis = integers(world, CONTACT), (0.0, 0.0, 0.0)
-    fixed_a, fixed_b = _cannot_turn(world, contact[row, c.BODY_A]), _cannot_turn(world, contact[row, c.BODY_B])
-    if fixed_a or fixed_b:
-        side = int(fixed_a)
-        shape, body = contact[row, c.SHAPE_A + side], contact[row, c.BODY_A + side]
-        at, turn = placed_pose(world, shape)
-        axis = spin_axis(world, shape, turn, minus(at, vector_at(floats(world, POSE), body, POSITION)))
-    for k in range(3):
-        raw[(r.SPIN_AXIS + k) * c.WIDTH] = axis[k]
 
 
 @compiled(inline=True)

@@ -13,7 +13,7 @@ from numba import types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.effective_mass_simd import find_stale, refresh, refresh_friction, turn_normals
+from kickdrift.world.contacts.effective_mass_simd import find_stale, refresh, refresh_friction
 from kickdrift.world.contacts.friction_and_rolling_simd import solve_friction
 from kickdrift.world.contacts.prepare_simd import (
     DELTA_POSE_A,
@@ -26,6 +26,7 @@ from kickdrift.world.contacts.prepare_simd import (
     fill,
 )
 from kickdrift.world.contacts.simd_vectors import NEXT, W, impulses, put, turn, vector
+from kickdrift.world.contacts.turned_normals_simd import turn_normals
 
 _ARRAY = types.Array(types.float64, 1, "C")
 KERNEL = types.none(_ARRAY, _ARRAY, types.float64, types.float64, types.float64, types.int64)

@@ -31,7 +31,6 @@ from kickdrift.world.contacts.simd_vectors import NEXT, W, put, vector
 
 # Factors by which turns about the normal and slides count more than tilts in deciding whether arms are kept
 TWIST_STRICTNESS, SLIP_STRICTNESS = 50.0, 2.0
-_PASSED = 0.5  # cosine of the angle by which the normal of two balls turns in a substep, below which they have passed
 _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 
@@ -132,35 +131,6 @@ def _lever(own: Any, i: int, nx: float, ny: float, nz: float, cx: float, cy: flo
     ax, ay, az = vector(own, c.ARM, i)
     bx, by, bz = cy * nz - cz * ny, cz * nx - cx * nz, cx * ny - cy * nx
     return math.sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by) + (az - bz) * (az - bz))
-
-
-@compiled(fast=True)
-def turn_normals(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
-    """Turn the normals and tangents of the marked lanes of two balls to the direction between their centres.
-
-    With the normal from the start of the step, frictionless balls that pass each other get spin. Where centres have passed each
-    other, the balls overlap, and the old normal tells where each came from. Accumulated impulses keep their
-    components along the new directions.
-    """
-    for lane in range(n):
-        nx, ny, nz = vector(own, c.N, lane)
-        x, y, z = vector(own, 0, _ANCHORS + lane)
-        ax, ay, az = turned(s, TURNED_A * W + lane, x, y, z)
-        x, y, z = vector(own, c.ANCHOR_B, _ANCHORS + lane)
-        bx, by, bz = turned(s, TURNED_B * W + lane, x, y, z)
-        dx, dy, dz = vector(s, FROM_A_TO_B, lane)
-        x, y, z = bx + dx - ax, by + dy - ay, bz + dz - az
-        scale = 1.0 / math.sqrt(x * x + y * y + z * z + 1e-300)
-        turned_to = scale * (x * nx + y * ny + z * nz)
-        turns = own[c.TURNS * W + lane] * s[MARK * W + lane] * max(turned_to - _PASSED, 0.0) > 0.0
-        nx, ny, nz = x * scale if turns else nx, y * scale if turns else ny, z * scale if turns else nz
-        put(own, c.N, lane, nx, ny, nz)
-        ux, uy, uz = vector(own, c.T, lane)
-        along = nx * ux + ny * uy + nz * uz
-        x, y, z = ux - along * nx, uy - along * ny, uz - along * nz
-        scale = 1.0 / math.sqrt(x * x + y * y + z * z + 1e-300)
-        ux, uy, uz = x * scale if turns else ux, y * scale if turns else uy, z * scale if turns else uz
-        put(own, c.T, lane, ux, uy, uz)
 
 
 @compiled(fast=True)

@@ -147,7 +147,12 @@ AXES = _CONSTRAINT.field(
     6
 )  # axes perpendicular to the radii of both shapes, when the step began; zeros of balls and capsules
 SPIN_AXIS = _CONSTRAINT.field(3)  # about which normal impulses have no torque, when the step began; or zeros
-TURNS = _CONSTRAINT.field()  # 1.0 if the normal is the direction between the centres of two balls, and turns with it
+TURNS = (
+    _CONSTRAINT.field()
+)  # 1.0 if the normal is the direction between the nearest points of two cores, and turns with it
+# Middles and half axes of the cores of two balls or capsules, from the centres of mass of both bodies, when the step began
+CORE_A = _CONSTRAINT.field(6, "m")
+CORE_B = _CONSTRAINT.field(6, "m")
 SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, and that on b, 1
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step

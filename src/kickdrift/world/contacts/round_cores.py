@@ -11,10 +11,11 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector, cross, dot, turned
 from kickdrift.world.collision.shape_properties import core_of
-from kickdrift.world.layout import RADIUS
+from kickdrift.world.layout import BEGIN, RADIUS, SHAPE_KIND
 from kickdrift.world.shapes.frustum import radial
+from kickdrift.world.shapes.kind_numbers import CAPSULE
 from kickdrift.world.shapes.record import AXIS
-from kickdrift.world.tables import PLACE, floats
+from kickdrift.world.tables import GEOMETRY, PLACE, SHAPE, flat, floats, integers
 
 # Radius of all points, or 0.0; the axis in the world's axes, or zeros; the direction of the radius, in the shape's frame
 RollingCore = tuple[float, Vector, Vector]
@@ -57,6 +58,22 @@ def spin_axis(world: int, shape: int, turn: Quaternion, arm: Vector) -> Vector:
     axis = turned(turn, (0.0, 0.0, 1.0))
     beside = cross(arm, axis)
     return axis if dot(beside, beside) <= (_CENTRED * floats(world, PLACE)[shape, RADIUS]) ** 2 else _NONE
+
+
+@compiled(inline=True)
+def half_axis(world: int, shape: int, turn: Quaternion) -> Vector:
+    """Return the vector from the middle to the end of the core of a ball or a capsule, in the world's axes, m."""
+    shapes = integers(world, SHAPE)
+    if shapes[shape, SHAPE_KIND] != CAPSULE:
+        return _NONE
+    return turned(turn, (0.0, 0.0, flat(world, GEOMETRY)[shapes[shape, BEGIN] + 1]))
+
+
+@compiled(inline=True)
+def are_parallel(u: Vector, v: Vector, sine: float) -> bool:
+    """Whether the sine of the angle between two half axes is at most `sine`; false for those of balls, which are zero."""
+    across, sizes = cross(u, v), dot(u, u) * dot(v, v)
+    return bool(sizes > 0.0 and dot(across, across) <= sine**2 * sizes)
 
 
 @compiled(inline=True)

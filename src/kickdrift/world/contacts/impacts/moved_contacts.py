@@ -14,22 +14,11 @@ from kickdrift.world.collision.shape_poses import pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.impacts.impact_motion import Place, is_moved, place_of, vector_of
-from kickdrift.world.layout import ANGULAR_VELOCITY, BEGIN, BODY_ROW, ORIENTATION, POSITION, SHAPE_KIND, VELOCITY
+from kickdrift.world.contacts.round_cores import are_parallel, half_axis
+from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_ROW, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.settings import PLANE_NORMAL
 from kickdrift.world.shapes.closest_points import along, clamped, segments
-from kickdrift.world.shapes.kind_numbers import CAPSULE
-from kickdrift.world.tables import (
-    CONTACT,
-    GEOMETRY,
-    MOTION,
-    POSE,
-    SETTINGS,
-    SHAPE,
-    STARTED_POSE,
-    flat,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import CONTACT, MOTION, POSE, SETTINGS, SHAPE, STARTED_POSE, floats, integers
 
 _NONE: Vector = (0.0, 0.0, 0.0)
 _PARALLEL = 1e-7  # sine of the angle between two axes below which capsules touch side by side, at two points
@@ -82,15 +71,18 @@ def meeting_arms(
     if not _is_between_cores(own):
         return plus(arm_a, times(share, between)), minus(arm_b, times(1.0 - share, between)), gap
     core_a, core_b = _core(world, contact[row, c.SHAPE_A], a), _core(world, contact[row, c.SHAPE_B], b)
-    if own[c.COUNT * c.WIDTH] > 1.0 and _are_parallel(core_a[1], core_b[1]):
+    if own[c.COUNT * c.WIDTH] > 1.0 and are_parallel(core_a[1], core_b[1], _PARALLEL):
         # Both points slide along the axes only: any other slide would give the impulse a torque about these.
         slid = times(dot(core_a[1], between) / dot(core_a[1], core_a[1]), core_a[1])
-        return plus(arm_a, times(share, slid)), minus(arm_b, times(1.0 - share, slid)), gap
-    first, second = _nearest(core_a, core_b)
-    radii = c.ANCHORS + c.ANCHOR_SIZE * point + c.RADII
-    arm_a = plus(minus(first, a[0]), times(own[radii * c.WIDTH], normal))
-    arm_b = minus(minus(second, b[0]), times(own[(radii + 1) * c.WIDTH], normal))
-    return arm_a, arm_b, gap
+    else:
+        first, second = _nearest(core_a, core_b)
+        radii, slid = c.ANCHORS + c.ANCHOR_SIZE * point + c.RADII, _NONE
+        arm_a = plus(minus(first, a[0]), times(own[radii * c.WIDTH], normal))
+        arm_b = minus(minus(second, b[0]), times(own[(radii + 1) * c.WIDTH], normal))
+    # They end at one point: otherwise the friction of shapes that overlap would change the angular momentum.
+    between = plus(minus(minus(b[0], a[0]), arm_a), arm_b)
+    slid = plus(slid, times(dot(normal, between), normal))
+    return plus(arm_a, times(share, slid)), minus(arm_b, times(1.0 - share, slid)), gap
 
 
 @compiled
@@ -100,14 +92,7 @@ def meets_at_one_point(world: int, row: int, own: Any, a: Place, b: Place) -> bo
     if not _is_between_cores(own):
         return False
     core_a, core_b = _core(world, contact[row, c.SHAPE_A], a), _core(world, contact[row, c.SHAPE_B], b)
-    return not _are_parallel(core_a[1], core_b[1])
-
-
-@compiled(inline=True)
-def _are_parallel(u: Vector, v: Vector) -> bool:
-    """Whether two axes are parallel up to rounding; false for those of balls, which are zero."""
-    across, sizes = cross(u, v), dot(u, u) * dot(v, v)
-    return bool(sizes > 0.0 and dot(across, across) <= _PARALLEL**2 * sizes)
+    return not are_parallel(core_a[1], core_b[1], _PARALLEL)
 
 
 @compiled(inline=True)
@@ -149,9 +134,7 @@ def _core(world: int, shape: int, place: Place) -> tuple[Vector, Vector]:
     shapes = integers(world, SHAPE)
     started = quaternion_at(floats(world, STARTED_POSE), shapes[shape, BODY_ROW], ORIENTATION)
     at, q = pose_on_body(world, shape, place[0], product(place[1], started))
-    if shapes[shape, SHAPE_KIND] != CAPSULE:
-        return at, _NONE
-    return at, turned(q, (0.0, 0.0, flat(world, GEOMETRY)[shapes[shape, BEGIN] + 1]))
+    return at, half_axis(world, shape, q)
 
 
 @compiled
