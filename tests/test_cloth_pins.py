@@ -103,3 +103,41 @@ def test_a_box_at_rest_that_carries_a_sheet_stays(ratio):
     world.advance(STEP, 300)
     assert np.abs(box.position[:2]).max() < 1e-3
     assert abs(box.position[2] - 0.05) < 1e-3
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_zones_of_particles_pinned_to_bodies_conserve_momentum(seed):
+    rng, world = np.random.default_rng(seed), kd.World(gravity=(0, 0, 0), substeps=2)
+    sheet = world.add_cloth_grid(size=(1, 1), vertices=(8, 8), self_collision=True)
+    for corner in (0, 7, 56, 63):
+        at = sheet.position[corner].copy()
+        velocity = -at * rng.uniform(3, 8) + rng.normal(0, 1, 3)
+        sheet.pin([corner], world.add_sphere(0.05, position=1.2 * at, mass=0.05, velocity=velocity))
+    momentum, energy = world.momentum(), world.energy().total
+    world.advance(STEP, 240)
+    assert np.abs(world.momentum() - momentum).max() < 1e-12
+    assert world.energy().total < energy
+
+
+@pytest.mark.parametrize("substeps", [2, 8])
+def test_a_folded_sheet_at_rest_between_light_balls_gains_little_energy(substeps):
+    world, (x, y) = (
+        kd.World(gravity=(0, 0, 0), substeps=substeps),
+        np.meshgrid(*[np.linspace(0, 1, 7)] * 2, indexing="ij"),
+    )
+    sheet = world.add_cloth_grid(
+        (1, 1), (7, 7), density=0.84, stretch_stiffness=58.0, self_collision=True, damping=1e-3
+    )
+    fold = np.stack((np.minimum(x, 1 - x), y, np.where(x < 0.5, 0, 0.06 * np.sin(9 * y))), 2)
+    sheet.position[:] = fold.reshape(-1, 3)
+    for corner, mass, beside in ((0, 0.12, 0.05), (42, 1.36, -0.05)):
+        sheet.pin(
+            [corner],
+            world.add_sphere(0.02, position=sheet.position[corner] + (-0.1, 0, beside), mass=mass, sensor=True),
+        )
+    energies = [world.energy().total]
+    for _ in range(60):
+        world.advance(STEP, 1)
+        energies.append(world.energy().total)
+    assert max(energies) < 1.5 * energies[0]
+    assert np.abs(world.momentum()).max() < 1e-12
