@@ -44,7 +44,7 @@ class Fabric:
         does not tear. At a strain of 1 the length has doubled.
     tether_strain : float
         Strain at which tethers hold vertices back, zero if there are none. A vertex is then no farther from the nearest one
-        that is pinned in the world, or to a fixed or kinematic body, than the way along the unstretched cloth times one plus
+        that is pinned in the world, or to a fixed or kinematic body, than the way along the unstretched mesh times one plus
         this strain; with a small one a stiff cloth hardly stretches, however long the step is. Tethers stop vertices, and
         dynamic bodies to which these are pinned, without bounce; contacts may push vertices farther.
 

@@ -1,5 +1,6 @@
 """Preparation of the tables of cloths for steps, as far as meshes, pins or the substep have changed."""
 
+from kickdrift.world.deformables.geodesics import Lines
 from kickdrift.world.deformables.mesh_tables import mesh_in
 from kickdrift.world.deformables.particle_tables import arrange
 from kickdrift.world.deformables.substep_choice import tune
@@ -21,6 +22,7 @@ class Preparation:
 
     def forget(self) -> None:
         """Have everything prepared again, after meshes or tables were replaced."""
+        self._lines: dict[int, Lines] = {}
         self._is_arranged = False
         self.forget_pins()
 
@@ -36,7 +38,7 @@ class Preparation:
         if not self._is_arranged:
             arrange(tables, [mesh_in(tables, row) for row in range(tables.count(CLOTH))])
         if not self._is_tethered:
-            put_tethers(tables)
+            put_tethers(tables, self._lines)
         if substep != self._substep:
             for own, numbers in zip(tables.array(CLOTH), tables.array(CLOTH_NUMBERS), strict=True):
                 tune(own, numbers, substep)
