@@ -95,3 +95,16 @@ def test_a_ball_on_a_sheet_that_moves_stays_awake_and_sleeps_with_it():
         world.step(STEP)
         lowest = min(lowest, ball.position[2])
     assert lowest < height - 0.01
+
+
+def test_a_pinned_vertex_that_moves_slowly_keeps_a_sheet_awake():
+    world = kd.World(sleeping=True)
+    sheet = world.add_cloth_grid(vertices=(6, 6), linear_damping=3.0, damping=1e-3)
+    sheet.pin([0, 5])
+    sheet.velocity[[0, 5]] = (0, 0, 0.04)
+    before = sheet.position[0].copy()
+    world.advance(STEP, 300)
+    assert sheet.position[0] - before == pytest.approx([0, 0, 0.2], abs=1e-12)
+    sheet.velocity[[0, 5]] = 0.0
+    world.advance(STEP, 300)
+    assert sleeps(world)

@@ -8,6 +8,7 @@ from kickdrift.world.deformables.body_contacts.particle_contacts import find_con
 from kickdrift.world.deformables.layout import (
     CLOTH_RADIUS,
     IS_ASLEEP,
+    PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
     PINNED_BODY,
     REST_TIME,
@@ -51,19 +52,23 @@ def wake_cloths(t: float, h: float, world: int) -> None:
 
 @compiled
 def rest_cloths(t: float, h: float, world: int) -> None:
-    """Put all cloths to sleep if they have rested long enough; bodies that touch moving cloths stay awake."""
+    """Put all cloths to sleep if they have rested long enough; bodies that touch moving cloths stay awake.
+
+    A pinned vertex that the user moves keeps them awake, however slow it is.
+    """
     particle, own, settings = floats(world, PARTICLE), integers(world, CLOTH), floats(world, SETTINGS)
     if own[0, IS_ASLEEP] != 0:
         return
-    fastest, numbers = 0.0, floats(world, CLOTH_NUMBERS)
+    fastest, driven, numbers = 0.0, False, floats(world, CLOTH_NUMBERS)
     for i in range(rows(world, PARTICLE)):
         v = vector_at(particle, i, PARTICLE_VELOCITY)
         fastest = max(fastest, dot(v, v))
+        driven = driven or (dot(v, v) > 0.0 and particle[i, PARTICLE_INVERSE_MASS] == 0.0)
     rests = fastest < settings[0, SLEEP_SPEED] ** 2
     numbers[0, REST_TIME] = numbers[0, REST_TIME] + h if rests else 0.0
     if not rests:
         _wake_touched(world, _TOUCHES)
-    if numbers[0, REST_TIME] < settings[0, SLEEP_TIME] or _is_held(world):
+    if numbers[0, REST_TIME] < settings[0, SLEEP_TIME] or driven or _is_held(world):
         return
     own[0, IS_ASLEEP] = 1
     for i in range(rows(world, PARTICLE)):
