@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kickdrift as kd
+from kickdrift.world.deformables.mesh import cloth_mesh, flattened
 
 trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
 
@@ -78,3 +79,30 @@ def test_what_cannot_be_written_is_refused(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "trimesh", None)
     with pytest.raises(kd.KickdriftError, match=r"kickdrift\[meshes\]"):
         kd.load_mesh("any.obj")
+
+
+def test_frames_of_an_earlier_recording_are_replaced(tmp_path):
+    world = kd.World()
+    world.add_cloth_grid(vertices=(3, 3), name="flag")
+    world.run(duration=0.5, step=1 / 60).save_meshes(tmp_path, "flag")
+    (tmp_path / "flag-notes.obj").write_text("kept")
+    world.run(duration=0.1, step=1 / 60).save_meshes(tmp_path, "flag")
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == [f"flag-{row:06d}.obj" for row in range(7)] + ["flag-notes.obj"]
+
+
+def test_a_recording_without_cloth_has_no_meshes(tmp_path):
+    recording = kd.World().run(duration=0.1, step=0.1)
+    with pytest.raises(kd.UnknownNameError, match="no cloth, rope or soft body"):
+        recording.save_meshes(tmp_path)
+
+
+@pytest.mark.parametrize("warp", [(1, 0, 0), (1, 2, 3)])
+def test_warp_and_weft_do_not_depend_on_the_first_corners_of_triangles(warp):
+    vertices = np.random.default_rng(0).normal(size=(3, 3))
+    normal = np.asarray(warp, dtype=float)
+    sides = vertices[:2] - vertices[2]
+    vertices[:2] = vertices[2] + sides - np.outer(sides @ normal, normal) / (normal @ normal)
+    first = flattened(cloth_mesh(vertices, [[0, 1, 2]]), normal)[1]
+    second = flattened(cloth_mesh(vertices, [[1, 2, 0]]), normal)[1]
+    assert first == pytest.approx(second, abs=1e-12)

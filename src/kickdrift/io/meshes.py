@@ -1,6 +1,7 @@
 """Meshes in files of other programs, by trimesh: those that cloths are made of, and those that cloths become."""
 
 import os
+from glob import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -87,6 +88,8 @@ def save_meshes(recording: Recording, folder: str | Path, which: str | int, form
     target, name = Path(folder), cloth.name or cloth.kind.replace(" ", "-")
     try:
         target.mkdir(parents=True, exist_ok=True)
+        for old in target.glob(f"{escape(name)}-{'[0-9]' * 6}.{form}"):
+            old.unlink()
         for row, vertices in enumerate(recording.particles[:, cloth.first : cloth.last]):
             mesh = trimesh.Trimesh(*cloth.surface(vertices), process=False)
             mesh.export(str(target / f"{name}-{row:06d}.{form}"))

@@ -75,7 +75,8 @@ def flattened(mesh: ClothMesh, warp: Floats) -> tuple[Floats, Floats]:
     ----------
     mesh : ClothMesh
     warp : (3,) array
-        Direction, not zero, whose projection onto each triangle is its first axis.
+        Direction, not zero, whose projection onto each triangle is its first axis; for triangles perpendicular to it, that of
+        the coordinate axis at the largest angle to it.
 
     Returns
     -------
@@ -90,8 +91,9 @@ def flattened(mesh: ClothMesh, warp: Floats) -> tuple[Floats, Floats]:
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     u = warp - (normal @ warp)[:, None] * normal
     size = np.linalg.norm(u, axis=1, keepdims=True)
-    across = size[:, 0] < 1e-6 * np.linalg.norm(warp)  # triangles perpendicular to the warp: any direction will do
-    u = np.where(across[:, None], p, u)
+    across = size[:, 0] < 1e-6 * np.linalg.norm(warp)
+    other = np.eye(3)[np.argmin(np.abs(warp))]
+    u = np.where(across[:, None], other - (normal @ other)[:, None] * normal, u)
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     v = np.cross(normal, u)
     flat = np.zeros((len(p), 3, 2))
@@ -189,6 +191,12 @@ def shared_edges(faces: Integers) -> tuple[Integers, Integers]:
             f"{high[order[thrice[0]]]}; cut the mesh there, since an edge of a cloth has at most two triangles."
         )
     first, second = order[:-1][same], order[1:][same]
+    twins = np.flatnonzero(across[first] == across[second])
+    if twins.size:
+        k = twins[0]
+        raise ArgumentError(
+            f"triangles {first[k] % count} and {second[k] % count} have the same vertices; leave one of them out."
+        )
     turned = np.flatnonzero(start[first] == start[second])
     if turned.size:
         k = turned[0]
@@ -196,12 +204,6 @@ def shared_edges(faces: Integers) -> tuple[Integers, Integers]:
             f"triangles {first[k] % count} and {second[k] % count} have opposite orientations at their edge of vertices "
             f"{start[first[k]]} and {end[first[k]]}; make all of them counter-clockwise as seen from the same side, or cut "
             "a mesh that has only one, as a Moebius strip."
-        )
-    twins = np.flatnonzero(across[first] == across[second])
-    if twins.size:
-        k = twins[0]
-        raise ArgumentError(
-            f"triangles {first[k] % count} and {second[k] % count} have the same vertices, back to back; leave one of them out."
         )
     folds = np.stack((start[first], end[first], across[first], across[second]), axis=1)
     sides = np.full(3 * count, NONE, dtype=np.int64)

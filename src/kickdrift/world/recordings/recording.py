@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.errors import KickdriftError, unknown_name
+from kickdrift.core.errors import KickdriftError, UnknownNameError, unknown_name
 from kickdrift.engine.solution import Solution
 from kickdrift.world.layout import DYNAMIC
 from kickdrift.world.recordings.appearance import Appearance, DrawnCloth
@@ -212,12 +212,16 @@ class Recording(Solution):
         """Return what is drawn of a cloth, a rope or a soft body, and which particles are its vertices; see `cloth`."""
         known: dict[Any, DrawnCloth] = dict(enumerate(self.appearance.cloths))
         known |= {cloth.name: cloth for cloth in self.appearance.cloths if cloth.name is not None}
+        if not known:
+            raise UnknownNameError("the world of this recording has no cloth, rope or soft body.")
         if which not in known:
             raise unknown_name("which", str(which), [str(name) for name in known])
         return known[which]
 
     def save_meshes(self, folder: str | Path, which: str | int = 0, *, form: str = "obj") -> Path:
         """Write the surface of a cloth, a rope or a soft body as meshes for rendering: one file per row, numbered from zero.
+
+        They replace all those of the same name in the folder.
 
         Parameters
         ----------
