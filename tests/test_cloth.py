@@ -470,6 +470,7 @@ SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
         (SQUARE, [[0, 1, 2], [2, 0, 3], [0, 2, 1]], "share one edge"),
         (SQUARE, [[0, 1, 2], [0, 3, 2]], "opposite orientations"),
         (SQUARE[:3], [[0, 1, 2], [0, 2, 1]], "triangles 0 and 1 have the same vertices"),
+        (SQUARE[:3], [[0, 1, 2], [0, 1, 2]], "triangles 0 and 1 have the same vertices"),
         ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "triangle 0 has no area"),
         ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "vertex 2 is at"),
         ([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]], "vertices has the shape"),
@@ -514,14 +515,31 @@ def test_numbers_that_no_cloth_has(arguments, words):
         kd.World().add_cloth_grid(**arguments)
 
 
-@pytest.mark.parametrize("vertices", [[16], [-1], [0.5], [[0, 1]], "corner"])
+@pytest.mark.parametrize("vertices", [[16], [-1], [0.5], [[0, 1]], "corner", np.arange(16) < 4])
 def test_vertices_that_cannot_be_pinned(vertices):
     sheet = kd.World().add_cloth_grid((1.0, 1.0), (4, 4))
     with pytest.raises(kd.KickdriftError, match=r"vert(ex|ices)"):
         sheet.pin(vertices)
 
 
+def test_no_vertices_are_pinned_and_released():
+    sheet = kd.World().add_cloth_grid((1.0, 1.0), (4, 4))
+    sheet.pin([])
+    sheet.unpin([])
+
+
+@pytest.mark.parametrize("name", ["friction", "tear_strain"])
+def test_properties_out_of_range_cannot_be_set(name):
+    sheet = kd.World().add_cloth_grid((1.0, 1.0), (4, 4))
+    before = getattr(sheet, name)
+    with pytest.raises(kd.KickdriftError, match=f"{name}=1e.300 must be zero or from"):
+        setattr(sheet, name, 1e300)
+    assert getattr(sheet, name) == before
+
+
 def test_a_wind_too_fast_to_count_with_is_refused():
+    with pytest.raises(kd.KickdriftError, match=r"mean=.* is faster than 1e"):
+        kd.gusts(mean=(1e100, 0.0, 0.0))
     sheet = kd.World().add_cloth_grid((1.0, 1.0), (4, 4))
     with pytest.raises(kd.KickdriftError, match="faster than 1e"):
         sheet.wind = (0.0, 1e200, 0.0)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.core.errors import ArgumentError
-from kickdrift.world.argument_checks import direction, number, vector
+from kickdrift.world.argument_checks import direction, vector
 from kickdrift.world.deformables.deformable import Deformable
+from kickdrift.world.deformables.material import parameter
+from kickdrift.world.deformables.wind_functions import air_velocity
 
 Floats = NDArray[np.float64]
-_FASTEST = 1e6  # m/s: the largest wind, whose square and forces are finite
 
 
 class Cloth(Deformable):
@@ -44,15 +44,12 @@ class Cloth(Deformable):
 
     @property
     def wind(self) -> Floats:
-        """Velocity of the air around it, (3,), m/s, a copy; can be set."""
+        """Velocity of the air around it, (3,), m/s, a copy; can be set. It acts by drag and lift, zero by default."""
         return self._cloths.numbers(self, "wind")
 
     @wind.setter
     def wind(self, wind: ArrayLike) -> None:
-        air = vector("wind", wind, 3)
-        if np.abs(air).max() > _FASTEST:
-            raise ArgumentError(f"wind={wind!r} is faster than {_FASTEST:g} m/s; give a slower one.")
-        self._cloths.set_numbers(self, "wind", air)
+        self._cloths.set_numbers(self, "wind", air_velocity("wind", wind))
 
     @property
     def tear_strain(self) -> float:
@@ -61,7 +58,7 @@ class Cloth(Deformable):
 
     @tear_strain.setter
     def tear_strain(self, tear_strain: float) -> None:
-        self._cloths.set_numbers(self, "tear_strain", number("tear_strain", tear_strain, "1"))
+        self._cloths.set_numbers(self, "tear_strain", parameter("tear_strain", tear_strain, "1"))
 
     def cut(self, point: ArrayLike, normal: ArrayLike) -> int:
         """Cut it along edges near a plane: triangles whose centroids are on different sides are separated.

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kickdrift.world.argument_checks import number
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.deformables.layout import PARTICLE_MASS, PARTICLE_VELOCITY
+from kickdrift.world.deformables.material import parameter
 from kickdrift.world.handle import Handle
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class Deformable(Handle):
 
     @friction.setter
     def friction(self, friction: float) -> None:
-        self._cloths.set_numbers(self, "friction", number("friction", friction, "1"))
+        self._cloths.set_numbers(self, "friction", parameter("friction", friction, "1"))
 
     def pin(self, vertices: ArrayLike, body: Body | None = None) -> None:
         """Pin vertices at their present positions, in the world or on a body.

@@ -11,7 +11,8 @@ from kickdrift.core.arguments import is_whole
 from kickdrift.core.compilation import Function, compiled
 from kickdrift.core.errors import ArgumentError
 from kickdrift.core.random import fill_normal
-from kickdrift.world.argument_checks import number, vector
+from kickdrift.world.argument_checks import number
+from kickdrift.world.deformables.wind_functions import air_velocity
 
 Floats = NDArray[np.float64]
 
@@ -67,7 +68,7 @@ def gusts(mean: ArrayLike, intensity: float = 0.2, length: float = 5.0, seed: in
     >>> bool(abs(flag.velocity).max() < 30.0)
     True
     """
-    flow = vector("mean", mean, 3)
+    flow = air_velocity("mean", mean)
     strength = number("intensity", intensity, "1") * float(np.linalg.norm(flow))
     waves = _waves(flow, strength, number("length", length, "m", zero=False), _checked_seed(seed))
 

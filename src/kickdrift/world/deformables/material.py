@@ -21,12 +21,22 @@ def check_numbers(material: Any, units: Mapping[str, str], positive: Collection[
         For invalid numbers, and for numbers outside the supported range.
     """
     for name, unit in units.items():
-        value = number(name, getattr(material, name), unit, zero=name not in positive)
-        if value > _LARGEST or 0.0 < value < _SMALLEST:
-            zero = "" if name in positive else "zero or "
-            of_unit = f" {unit}" if unit != "1" else ""
-            raise ArgumentError(f"{name}={value!r} must be {zero}from {_SMALLEST:g} to {_LARGEST:g}{of_unit}.")
-        object.__setattr__(material, name, value)
+        object.__setattr__(material, name, parameter(name, getattr(material, name), unit, zero=name not in positive))
+
+
+def parameter(name: str, value: Any, unit: str, *, zero: bool = True) -> float:
+    """Return a parameter as a float: a positive number, or zero if `zero` allows it.
+
+    Raises
+    ------
+    ArgumentError
+        For invalid numbers, and for numbers outside the supported range.
+    """
+    size = number(name, value, unit, zero=zero)
+    if size > _LARGEST or 0.0 < size < _SMALLEST:
+        or_zero, of_unit = "zero or " if zero else "", f" {unit}" if unit != "1" else ""
+        raise ArgumentError(f"{name}={value!r} must be {or_zero}from {_SMALLEST:g} to {_LARGEST:g}{of_unit}.")
+    return size
 
 
 def material_of(kind: type[Material], what: str, options: Mapping[str, Any]) -> Material:

@@ -277,6 +277,10 @@ class Cloths:
     def _rows_of(self, cloth: Deformable, vertices: ArrayLike) -> Integers:
         """Return the rows of vertices, without repetition; ArgumentError for invalid ones."""
         count, chosen = len(self.particles(cloth)), np.atleast_1d(np.asarray(vertices))
+        if chosen.shape == (0,):
+            chosen = chosen.astype(np.int64)
+        if chosen.dtype.kind == "b":
+            raise ArgumentError("vertices is a mask of True and False; give indices: numpy.flatnonzero(mask).")
         if chosen.dtype.kind not in "iu" or chosen.ndim != 1:
             raise ArgumentError(f"vertices={vertices!r} must be whole numbers, indices of vertices of the cloth.")
         wrong = chosen[(chosen < 0) | (chosen >= count)]

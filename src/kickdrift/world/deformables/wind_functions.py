@@ -2,7 +2,12 @@
 
 import inspect
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from kickdrift.core.compilation import Function
+from kickdrift.core.errors import ArgumentError
+from kickdrift.world.argument_checks import vector
 from kickdrift.world.deformables.layout import PARTICLE_VELOCITY
 from kickdrift.world.force_functions import FORCES, Force, Sort, force_of
 
@@ -17,6 +22,23 @@ WINDS = Sort(
     ("wind",),
     "vertex",
 )
+
+
+_FASTEST = 1e6  # m/s: the largest wind, whose square and forces are finite
+
+
+def air_velocity(argument: str, value: ArrayLike) -> NDArray[np.float64]:
+    """Return the velocity of air, (3,), m/s.
+
+    Raises
+    ------
+    ArgumentError
+        For numbers that are not finite, and for winds too fast to be squared.
+    """
+    air = vector(argument, value, 3)
+    if np.abs(air).max() > _FASTEST:
+        raise ArgumentError(f"{argument}={value!r} is faster than {_FASTEST:g} m/s; give a slower one.")
+    return air
 
 
 def force_or_wind_of(function: Function) -> Force:

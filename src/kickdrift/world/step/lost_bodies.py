@@ -117,6 +117,6 @@ def lost_cloth_error(words: str, vertex: int, step: int) -> LostBodyError:
     """Return the error that names the lost cloth, a vertex and the step; the world is at the beginning of the step."""
     return LostBodyError(
         f"vertex {vertex} of {words} was lost to infinity in step {step}; all bodies and cloths are where they were before it."
-        " Positions or velocities were set to values that are not finite, triangles there have no area, or it was stretched"
-        " too fast for the step: use a smaller one."
+        " Positions or velocities were set to values that are not finite, a wind or a force returned such values, triangles"
+        " there have no area, or it was stretched too fast for the step: use a smaller one."
     )
