@@ -66,7 +66,9 @@ def settle(world: int, shape: int, h: float) -> bool:
     """Give a shape that leaves its fat bounds in a step of h new ones; return whether it does."""
     box, slack, way = _box_in_step(world, shape, h)
     bounds = floats(world, BOUNDS)
-    wide = floats(world, PREDICTED)[integers(world, SHAPE)[shape, BODY_ROW], WIDE_BOUNDS] != 0.0
+    body = integers(world, SHAPE)[shape, BODY_ROW]
+    # Those that contain a path grow with it, and would grow again whenever a full table had the stage repeated.
+    wide = floats(world, PREDICTED)[body, WIDE_BOUNDS] != 0.0 and not has_change(world, body)
     if _holds(bounds, shape, box) and not wide:
         return False
     for k in range(3):
