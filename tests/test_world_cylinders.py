@@ -406,6 +406,26 @@ def test_what_lands_fast_and_tumbles_does_not_sink_in(shape):
     assert np.min(lowest[20:]) > -0.06
 
 
+@pytest.mark.parametrize(("radius", "length", "deepest"), [(0.3, 0.03, 0.03), (0.05, 0.01, 0.02)])
+def test_discs_that_land_turning_do_not_sink_in(radius, length, deepest):
+    points = np.vstack((ring(radius, -0.5 * length), ring(radius, 0.5 * length)))
+    for seed in range(40):
+        rng, world = np.random.default_rng(seed), kd.World()
+        world.add_plane(friction=0.0)
+        turn = rng.normal(size=4)
+        disc = world.add_cylinder(
+            radius, length, position=(0, 0, 1.2), orientation=turn / np.linalg.norm(turn), friction=0.0,
+            velocity=2.0 * rng.normal(size=3), angular_velocity=5.0 * rng.normal(size=3),
+        )  # fmt: skip
+        energies, lowest = [world.energy().total], []
+        for _ in range(90):
+            world.step(STEP)
+            energies.append(world.energy().total)
+            lowest.append((points @ rotation_matrix(disc.orientation).T)[:, 2].min() + disc.position[2])
+        assert min(lowest) > -deepest
+        assert np.max(energies - np.minimum.accumulate(energies)) < 0.06 * energies[0]
+
+
 @pytest.mark.parametrize("dip", [-0.3, 0.1, 0.5, 0.9])
 def test_a_blunt_cone_that_tips_over_its_rim_stands_on_it(dip):
     turn = 0.5 * (

@@ -22,6 +22,13 @@ from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest
 
 _UP: Vector = (0.0, 0.0, 1.0)
 
+# Points of the rims, in the order in which up to four are chosen: which of `_AROUND`, and 0 for the lower end, 1
+# for the other one. A frustum that may move by its own size in the step may turn onto any part of its rims.
+_AROUND = ((1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (-1.0, 0.0), (-0.5, math.sqrt(0.75)), (-0.5, -math.sqrt(0.75)))
+_STANDING = ((0, 0), (3, 0), (1, 0), (2, 0), (0, 1), (4, 1), (5, 1))
+_LYING = ((0, 0), (0, 1), (4, 0), (5, 0), (4, 1), (5, 1), (3, 0))
+_TUMBLING = ((0, 0), (3, 0), (1, 1), (2, 1), (0, 1), (1, 0), (2, 0))
+
 # Sine of the angle between a disc and the plane below it, under which the points of its rim are fixed in the body: the lowest
 # one is determined by rounding then.
 STANDING = 1e-4
@@ -44,9 +51,8 @@ def lowest_direction(down: Vector, least: float) -> tuple[float, float, float]:
 def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     """Find the contact points of a half-space and a frustum; see `kickdrift.world.collision.narrow_phase`.
 
-    An end that is nearly parallel to the plane has the lowest point of its rim and three more, a quarter of a turn apart; a
-    side that is nearly parallel, both ends of its lowest line. A frustum that may move by its own size in the step, and turn
-    onto another part of its rims, has all of these.
+    The first point is the lowest one, and if a side is nearly parallel to the plane, the second is the other end of its lowest
+    line. The others are those of the rims onto which the frustum may turn, as far as it may reach the plane there.
     """
     centre, q = place(pose), turn(pose)
     lower, upper, half = frustum_of(b)
@@ -58,19 +64,17 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
     put_normal(manifold, _UP)
     tumbles = sine >= STEEP and margin > max(lower, upper, half)
     lowest = 0 if sideways * lower - half * down[2] >= sideways * upper + half * down[2] else 1
+    order = _LYING if lies or (tumbles and min(lower, upper) == 0.0) else _TUMBLING if tumbles else _STANDING
     count = 0
-    for end in (lowest, 1 - lowest):
+    for k, other in order:
+        end = 1 - lowest if other else lowest
         radius, z = (lower, -half) if end == 0 else (upper, half)
-        has_ring = ((end == lowest and sine < STEEP) or tumbles) and radius > 0.0
-        for k in range(3 if tumbles else 4):
-            if k > 0 and not has_ring:
-                break
-            u, v = (x, y) if k == 0 else (-y, x) if k == 1 else (y, -x) if k == 2 else (-x, -y)
-            on_b = (radius * u, radius * v, z)
-            at = plus(centre, turned(q, on_b))
-            if at[2] <= margin and (end == lowest or lies or tumbles) and count < 4:
-                put_point(manifold, count, (at[0], at[1], 0.0), on_b, 4 * end + k)
-                count += 1
+        c, s = _AROUND[k]
+        on_b = (radius * (c * x - s * y), radius * (s * x + c * y), z)
+        at = plus(centre, turned(q, on_b))
+        if at[2] <= margin and count < 4 and (radius > 0.0 or k == 0):
+            put_point(manifold, count, (at[0], at[1], 0.0), on_b, 6 * end + k)
+            count += 1
     return count
 
 
