@@ -76,7 +76,7 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     centre_a, centre_b = vector_at(pose, a, POSITION), vector_at(pose, b, POSITION)
     arm_a, arm_b, apart = minus(at_a, centre_a), minus(at_b, centre_b), minus(centre_b, centre_a)
     normal = vector_at(manifold, row, c.NORMAL)
-    along, width = turned(turn_a, normal), manifold[row, c.WIDTH_OF_FACE]
+    along, width = turned(turn_a, normal), float(manifold[row, c.WIDTH_OF_FACE])
     # Height of the contact above the farther of both centres, along the normal
     arm = plus(arm_a, turned(turn_a, vector_at(manifold, row, c.POINT)))
     height = max(abs(dot(along, arm)), abs(dot(along, minus(arm, apart))))
@@ -87,7 +87,8 @@ def gather(world: int, row: int, soft: Vector, softer: Vector, raw: Any, scratch
     round_b = rolling_core(
         world, shape_b, radius(world, shape_b), turn_b, times(-1.0, back), along, times(step, turning_b)
     )
-    moves = width == 0.0 or rolls(round_a) or rolls(round_b) or contact[row, c.CONTACT_STATE] & (c.MOVING | c.FAST) != 0
+    width = 0.0 if rolls(round_a) or rolls(round_b) else width
+    moves = width == 0.0 or contact[row, c.CONTACT_STATE] & (c.MOVING | c.FAST) != 0
     turned_a, turned_b, lay = _frames_of_arms(world, row, moves, turn_a, turn_b, along, arm, apart, max(height, width))
     along = turned(turned_a, along)
     if rolls(round_a) and not rolls(round_b):  # the normal turns with the shape that is not round

@@ -17,6 +17,7 @@ from kickdrift.world.collision.narrow_phase.capsule_manifold import (
     put_capsule_first,
 )
 from kickdrift.world.collision.narrow_phase.manifold_points import place, put_normal, put_point, turn
+from kickdrift.world.contacts.layout import REACHABLE
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest, radial, side_normal, signed_distance
 
@@ -25,7 +26,7 @@ _UP: Vector = (0.0, 0.0, 1.0)
 # Points of the rims, in the order in which up to four are chosen: which of `_AROUND`, and 0 for the lower end, 1
 # for the other one. A frustum that may move by its own size in the step may turn onto any part of its rims.
 _AROUND = ((1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (-1.0, 0.0), (-0.5, math.sqrt(0.75)), (-0.5, -math.sqrt(0.75)))
-_STANDING = ((0, 0), (3, 0), (1, 0), (2, 0), (0, 1), (4, 1), (5, 1))
+_STANDING = ((0, 0), (1, 0), (2, 0), (3, 0), (0, 1), (4, 1), (5, 1))
 _LYING = ((0, 0), (0, 1), (4, 0), (5, 0), (4, 1), (5, 1), (3, 0))
 _TUMBLING = ((0, 0), (3, 0), (1, 1), (2, 1), (0, 1), (1, 0), (2, 0))
 
@@ -51,8 +52,9 @@ def lowest_direction(down: Vector, least: float) -> tuple[float, float, float]:
 def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
     """Find the contact points of a half-space and a frustum; see `kickdrift.world.collision.narrow_phase`.
 
-    The first point is the lowest one, and if a side is nearly parallel to the plane, the second is the other end of its lowest
-    line. The others are those of the rims onto which the frustum may turn, as far as it may reach the plane there.
+    The first point is the lowest one. If a side is nearly parallel to the plane, the second is the other end of its lowest
+    line; if an end is, three more are on its rim. The others are those of the rims onto which the frustum may turn in the step:
+    not more, since all near points share in carrying the friction.
     """
     centre, q = place(pose), turn(pose)
     lower, upper, half = frustum_of(b)
@@ -64,6 +66,7 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
     put_normal(manifold, _UP)
     tumbles = sine >= STEEP and margin > max(lower, upper, half)
     lowest = 0 if sideways * lower - half * down[2] >= sideways * upper + half * down[2] else 1
+    tip = (lower if lowest == 0 else upper) == 0.0
     order = _LYING if lies or (tumbles and min(lower, upper) == 0.0) else _TUMBLING if tumbles else _STANDING
     count = 0
     for k, other in order:
@@ -72,7 +75,10 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
         c, s = _AROUND[k]
         on_b = (radius * (c * x - s * y), radius * (s * x + c * y), z)
         at = plus(centre, turned(q, on_b))
-        if at[2] <= margin and count < 4 and (radius > 0.0 or k == 0):
+        if (other and not (lies or tumbles or tip)) or (k > 0 and radius == 0.0) or count == 4:
+            continue
+        near = k == 0 or tumbles or (not other and sine < STEEP)
+        if at[2] <= (margin if near else min(margin, manifold[REACHABLE])):
             put_point(manifold, count, (at[0], at[1], 0.0), on_b, 6 * end + k)
             count += 1
     return count
