@@ -61,7 +61,7 @@ OPTIONS = {
     "orientation": [(0, 0, 0, 0), (0, 0, 1), (NAN, 0, 0, 1)],
     "velocity": [(INF, 0, 0), (1, 0), "fast"],
     "angular_velocity": [(0, NAN, 0), 3.0],
-    "mass": [0, -1, NAN, INF, "heavy"],
+    "mass": [0, -1, NAN, INF, "heavy", 1e-310],
     "density": [0, -2, NAN, "thick"],
     "inertia": [(1, 1, -1), (0, 0, 0), (1, 1, 5), [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]], (1, 1, NAN), (1, 1), "round"],
     "damping": [-1, NAN, "slow"],

@@ -13,6 +13,8 @@ from kickdrift.world.shapes.mass_properties import Mass, checked_inertia, combin
 from kickdrift.world.shapes.record import SOLID
 from kickdrift.world.shapes.shape_kinds import kind_of
 
+_LIGHTEST = 1e-200  # kg
+
 
 def mass_properties_of(
     parts: Sequence[Part],
@@ -48,4 +50,13 @@ def mass_properties_of(
     if inertia is not None:
         middle = whole.centre if centre is None else vector("centre", centre, 3)
         whole = Mass(whole.mass, middle, checked_inertia(inertia))
+    check_mass(whole.mass)
     return whole
+
+
+def check_mass(mass: float) -> None:
+    """Raise an ArgumentError for a mass whose inverse, and that of its inertia, would be infinite."""
+    if mass < _LIGHTEST:
+        raise ArgumentError(
+            f"a mass of {mass:g} kg is too small for its inverse to be finite; give {_LIGHTEST:g} kg or more."
+        )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.core.errors import ArgumentError
+from kickdrift.world.bodies.body_mass import check_mass
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.shape_rows import ShapeRows
 from kickdrift.world.collision.broad_phase.search_state import shapes_changed
@@ -209,6 +210,8 @@ class Bodies:
     ) -> None:
         """Change the mass of a body, which scales its inertia, or its inertia, or lock its rotation; velocities are kept."""
         row = self.moved_row(body)
+        if mass is not None:
+            check_mass(mass)
         old = self.mass(body)
         locked = self.locked(body) if locked is None else locked
         new = old.inertia * (1.0 if mass is None else mass / old.mass) if inertia is None else checked_inertia(inertia)
