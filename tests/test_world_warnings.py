@@ -199,3 +199,34 @@ def test_recordings_keep_and_report_what_is_left():
     assert re.search(
         rf"^residual +{re.escape(largest)} at most, {re.escape(last)} at the end$", recording.report(), re.M
     )
+
+
+def loaded_bridge(mass, substeps):
+    """A hanging bridge of 20 planks of 1 kg on hinges, 0.3 m long, and a ball that lies on it."""
+    world, before, x, z, planks = kd.World(substeps=substeps), None, 0.0, 3.0, []
+    for angle in np.linspace(0.3, -0.3, 20):
+        way = 0.3 * np.array([np.cos(angle), 0.0, -np.sin(angle)])
+        plank = world.add_box(
+            (0.27, 0.4, 0.05), position=(x + way[0] / 2, 0, z + way[2] / 2), mass=1.0, friction=0.5,
+            orientation=(np.cos(angle / 2), 0, np.sin(angle / 2), 0),
+        )  # fmt: skip
+        world.add_hinge(before, plank, anchor=(x, 0, z), axis=(0, 1, 0))
+        planks.append(plank)
+        before, x, z = plank, x + way[0], z + way[2]
+    world.add_hinge(before, None, anchor=(x, 0, z), axis=(0, 1, 0))
+    above = planks[8].position + np.array([0, 0, 0.33])
+    return world, world.add_sphere(0.3, position=above, mass=mass, friction=0.5)
+
+
+def test_a_ball_that_is_too_heavy_for_its_bridge_is_reported():
+    world, _ = loaded_bridge(150.0, 4)
+    with pytest.warns(
+        kd.UnsolvedWarning, match=r"contacts of body \d+ .*no solution together since t=0\..*world.substeps = 8"
+    ):
+        world.advance(STEP, 120)
+
+
+def test_a_ball_that_a_bridge_bears_is_not_reported():
+    world, ball = loaded_bridge(150.0, 8)
+    world.advance(STEP, 240)
+    assert ball.position[2] > 2.7

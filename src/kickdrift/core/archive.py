@@ -25,7 +25,7 @@ Arrays = Mapping[str, NDArray[Any]]
 T = TypeVar("T")
 
 # Formats, as headers name them
-SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 4", "kickdrift world 9"
+SOLUTION, RECORDING, WORLD = "kickdrift solution 1", "kickdrift recording 4", "kickdrift world 10"
 ENSEMBLE = "kickdrift ensemble 2"
 CHECKPOINT = "kickdrift checkpoint 1"
 

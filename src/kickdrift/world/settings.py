@@ -22,7 +22,8 @@ HAS_DIRECT = column(SETTINGS)  # 1.0 once the step has the stages of the direct 
 # Not settings but results: the residual of the last step, the length of its substeps, and the contents of warnings. Of a body
 # that is left unsolved, its row, and since when; of one that turns too fast, its row, the end of the first step in which it
 # did, its rate, the fraction of the energy that was lost, since when, and how long substeps should be instead; of one that may
-# have missed a contact, or whose impacts had no end, its row, and the time.
+# have missed a contact, or whose impacts had no end, its row, and the time; of one whose joints and contacts have no solution
+# together, its row, or -1, and since when.
 RESIDUAL = column(SETTINGS, 1, "m/s")
 LAST_SUBSTEP = column(SETTINGS, 1, "s")
 UNSOLVED_BODY, UNSOLVED_SINCE = column(SETTINGS), column(SETTINGS, 1, "s")
@@ -31,3 +32,4 @@ FAST_RATE, FAST_LOSS, FAST_SINCE = column(SETTINGS, 1, "rad/s"), column(SETTINGS
 FAST_SUBSTEP = column(SETTINGS, 1, "s")
 MISSED_BODY, MISSED_TIME = column(SETTINGS), column(SETTINGS, 1, "s")
 BOUNCING_TIME = column(SETTINGS, 1, "s")
+JAMMED_BODY, JAMMED_SINCE = column(SETTINGS), column(SETTINGS, 1, "s")

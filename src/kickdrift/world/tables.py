@@ -50,7 +50,7 @@ GEOMETRY = Table(11, 1)  # the numbers of all shapes, one shape after the other
 CONTACT = Table(12, 8, whole=True)
 MANIFOLD = Table(13, 72)
 LOST_POINT = Table(107, 16)  # in this step: see `kickdrift.world.collision.narrow_phase.impulse_matching`
-SETTINGS = Table(14, 33)  # one row: see `kickdrift.world.settings`
+SETTINGS = Table(14, 35)  # one row: see `kickdrift.world.settings`
 STEP_STATUS = Table(15, 16, whole=True)  # one row: see `kickdrift.world.step.status`
 EVENTS = Table(16, 8, whole=True)
 # Joints: see `kickdrift.world.joints.layout`

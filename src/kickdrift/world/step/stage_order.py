@@ -36,6 +36,7 @@ from kickdrift.world.direct.half_kicks import complete_half_kicks, mark_half_kic
 from kickdrift.world.direct.island_restitution import bounce_islands
 from kickdrift.world.direct.island_solver import measure_islands, solve_islands
 from kickdrift.world.direct.islands import find_islands
+from kickdrift.world.direct.jammed_islands import note_jammed
 from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, find_heaps
 from kickdrift.world.direct.velocity_projection import relax_islands
 from kickdrift.world.force_functions import begin_forces, begin_later_forces
@@ -179,7 +180,7 @@ def _after(uses: Uses) -> Stages:
         store,
         finish,
         *when(uses.islands, measure_islands),
-        *when(uses.joints, note_losses),
+        *when(uses.joints, note_losses, note_jammed),
         count_unsolved,
         note_touching,
         *when(uses.sleeps, sleep),

@@ -32,6 +32,7 @@ LEFT_UNSOLVED = 1  # a body has rested for long on contacts that the sweeps leav
 TURNS_TOO_FAST = 2  # joints have lost or gained energy, as bodies turn too far in a substep
 MISSES_CONTACT = 4  # a body may have passed through another in a step, although that was repeated
 LEFT_BOUNCING = 8  # impacts of a substep have not been resolved, or their impulses have not converged
+LEFT_JAMMED = 16  # joints and contacts of an island have had no solution together for long
 
 # Values of STATUS
 OK = 0

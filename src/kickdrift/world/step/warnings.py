@@ -15,6 +15,8 @@ from kickdrift.world.settings import (
     FAST_SINCE,
     FAST_SUBSTEP,
     FAST_TIME,
+    JAMMED_BODY,
+    JAMMED_SINCE,
     MISSED_BODY,
     MISSED_TIME,
     STEP,
@@ -25,6 +27,7 @@ from kickdrift.world.settings import (
 from kickdrift.world.step.status import (
     BOUNCING_BODY,
     LEFT_BOUNCING,
+    LEFT_JAMMED,
     LEFT_UNSOLVED,
     MISSES_CONTACT,
     SAID,
@@ -96,10 +99,23 @@ def _too_fast(tables: Tables, bodies: Bodies) -> str:
     return f"{why}: they {change} of the energy of their bodies {when}. {advice}"
 
 
+def _jammed(tables: Tables, bodies: Bodies) -> str:
+    """Return the message of LEFT_JAMMED."""
+    row = tables.array(SETTINGS)[0]
+    return (
+        f"the joints and the contacts of {bodies.words(int(row[JAMMED_BODY]))} and of the bodies joined to it have had no"
+        f" solution together since t={row[JAMMED_SINCE]:.3g} s, so that bodies may sink into each other. Use more substeps,"
+        f" as world.substeps = {2 * int(row[SUBSTEPS])}, a smaller step than {row[STEP]:.3g} s, or masses that differ less."
+    )
+
+
 def _rounded_down(step: float) -> float:
     """Return a step, s, rounded down to two digits."""
     digit = 10.0 ** (math.floor(math.log10(step)) - 1)
     return math.floor(step / digit) * digit
 
 
-_SENTENCES = {LEFT_UNSOLVED: _unsolved, TURNS_TOO_FAST: _too_fast, MISSES_CONTACT: _missed, LEFT_BOUNCING: _bouncing}
+_SENTENCES = {
+    LEFT_UNSOLVED: _unsolved, TURNS_TOO_FAST: _too_fast, MISSES_CONTACT: _missed, LEFT_BOUNCING: _bouncing,
+    LEFT_JAMMED: _jammed,
+}  # fmt: skip
