@@ -99,8 +99,8 @@ class InterpretedWarning(UserWarning):
 class UnsolvedWarning(UserWarning):
     """Results of a world may be unreliable.
 
-    Contacts or impacts were left unsolved or missed, joints lost energy or have no solution together with contacts, or a cloth is
-    far softer than its material.
+    Contacts or impacts were left unsolved or missed, joints lost energy or have no solution together with contacts, or a cloth
+    is far softer than its material.
     """
 
 
