@@ -11,8 +11,8 @@ from kickdrift.world import tables
 from kickdrift.world.collision.broad_phase.bvh import BRANCH
 from kickdrift.world.deformables import layout
 from kickdrift.world.deformables.mesh import cloth_mesh, grid
+from kickdrift.world.deformables.self_collision.closest_features import EDGE_EDGE, VERTEX_FACE, nearest
 from kickdrift.world.deformables.self_collision.face_bvh import face_tree, stars
-from kickdrift.world.deformables.self_collision.proximity import EDGE_EDGE, VERTEX_FACE, nearest
 
 STEP = 1 / 60
 UPRIGHT = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)  # warp hangs down

@@ -10,7 +10,7 @@ from stages import run_stage
 
 from kickdrift.world import tables as t
 from kickdrift.world.collision.broad_phase.bvh import ITEM, build, fit, gather
-from kickdrift.world.collision.broad_phase.filters import exclude
+from kickdrift.world.collision.broad_phase.filters_and_sensors import exclude
 from kickdrift.world.collision.broad_phase.pair_update import find_pairs
 from kickdrift.world.collision.broad_phase.search_state import (
     FITTED,

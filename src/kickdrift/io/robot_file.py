@@ -21,7 +21,7 @@ from kickdrift.io.robots.omissions import gathered, omissions, overlaps
 from kickdrift.io.robots.parsing import Model, parse
 from kickdrift.world.argument_checks import unit_quaternion, vector
 from kickdrift.world.bodies.handle import Body
-from kickdrift.world.collision.broad_phase.filters import exclude
+from kickdrift.world.collision.broad_phase.filters_and_sensors import exclude
 from kickdrift.world.joints.handle import Joint
 from kickdrift.world.layout import LAYER, STATIC
 from kickdrift.world.settings import GRAVITY

@@ -16,7 +16,7 @@ from kickdrift.core.errors import ArgumentError, FileFormatError
 from kickdrift.io.shapes import Catalogue, shapes_of
 from kickdrift.world.argument_checks import vector
 from kickdrift.world.bodies.shape_rows import SHOWN, Placed, ShapeRows, Surface
-from kickdrift.world.collision.broad_phase.filters import part_joined
+from kickdrift.world.collision.broad_phase.filters_and_sensors import part_joined
 from kickdrift.world.deformables.building import MET_AS
 from kickdrift.world.deformables.layout import CLOTH_GENERATION, DIMENSION
 from kickdrift.world.deformables.wind_functions import force_or_wind_of

@@ -2,8 +2,8 @@
 
 The constraints of one batch are prepared, solved in all substeps and stored before those of the next, with the same bits as if
 each stage processed the whole world. Stages are unaware of batches: they get a block of tables in which `MEMBER` and `COLOURS`
-are those of the batch, and `LANES` begins so far before its own memory that the constraints of the batch, whose groups are
-numbered after those of all earlier batches, lie at its start: all batches use the same memory.
+are those of the batch, and the pointer to `LANES` is moved back by the size of all earlier groups, so that the constraints of
+the batch, which are numbered after those, lie at the start of the memory: all batches use the same.
 """
 
 from kickdrift.core.compilation import compiled

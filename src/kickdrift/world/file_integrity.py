@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kickdrift.world import settings as s
-from kickdrift.world.collision.broad_phase.filters import HIGH_BODY, LOW_BODY
+from kickdrift.world.collision.broad_phase.filters_and_sensors import HIGH_BODY, LOW_BODY
 from kickdrift.world.collision.broad_phase.search_state import NEW, SOUGHT_ANEW
 from kickdrift.world.collision.narrow_phase.pair_dispatch import PAIRS
 from kickdrift.world.contacts import layout as c

@@ -1,7 +1,7 @@
 """Sleep: islands of bodies that touch, nearly touch or are joined fall asleep and wake together."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.broad_phase.filters import is_solid
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.joints import layout as j

@@ -10,7 +10,7 @@ from kickdrift.core.errors import ArgumentError
 from kickdrift.world.argument_checks import choice, vector
 from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.registry import Bodies
-from kickdrift.world.collision.broad_phase.filters import exclude
+from kickdrift.world.collision.broad_phase.filters_and_sensors import exclude
 from kickdrift.world.deformables.registry import Cloths
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SUBSTEPS
 from kickdrift.world.tables import ASKED_APART, SETTINGS, Tables

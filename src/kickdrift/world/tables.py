@@ -97,7 +97,7 @@ FIXTURES = Table(44, 1, whole=True)  # shapes that may not
 PLANES = Table(40, 1, whole=True)  # shapes that are planes
 SOUGHT = Table(41, 1, whole=True)  # shapes whose pairs are to be found again
 TRIANGLE_TREE = Table(42, 8)  # over the triangles of each mesh, one tree after the other
-EXCLUDED = Table(43, 2, whole=True)  # pairs of bodies that never touch, sorted; see `collision.broad_phase.filters`
+EXCLUDED = Table(43, 2, whole=True)  # pairs that never touch, sorted; see `collision.broad_phase.filters_and_sensors`
 ASKED_APART = Table(49, 2, whole=True)  # those of them that users have excluded; the others are joined
 FORCE_NUMBERS = Table(62, 1)  # numbers captured by users' forces: see `kickdrift.world.force_functions`
 

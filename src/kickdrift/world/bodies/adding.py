@@ -16,7 +16,7 @@ from kickdrift.world.bodies.handle import Body
 from kickdrift.world.bodies.part import Part, surface_of
 from kickdrift.world.bodies.registry import GROUND, Bodies
 from kickdrift.world.bodies.shape_rows import Placed, ShapeRows, Surface
-from kickdrift.world.collision.broad_phase.filters import forget
+from kickdrift.world.collision.broad_phase.filters_and_sensors import forget
 from kickdrift.world.contact_events import forget_contacts
 from kickdrift.world.deformables.registry import Cloths
 from kickdrift.world.joints.registry import Joints

@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.batch_view import AFTER_MEMBER, FIRST_MEMBER, WEIGHT
-from kickdrift.world.collision.broad_phase.filters import is_solid
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite

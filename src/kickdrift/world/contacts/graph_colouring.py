@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.batch_view import BATCH_COLOURS, LANES_BEFORE
-from kickdrift.world.collision.broad_phase.filters import is_solid
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batch_division import OWN_BATCH
 from kickdrift.world.layout import AWAKE, BODY_KIND, INVERSE_LINEAR_MASS, LINK_PLACE, STATIC

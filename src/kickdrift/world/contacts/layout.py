@@ -74,7 +74,7 @@ _POINT = Fields()
 ON_A = _POINT.field(3, "m")  # on the first shape, in its frame
 ON_B = _POINT.field(3, "m")  # on the second, in its own
 FEATURE = _POINT.field()  # id of the features that touch
-_POINT.field()  # spare
+_POINT.field()  # makes it eight numbers, one cache line
 POINT_SIZE = _POINT.close()
 
 # Columns of MANIFOLD. Every step writes those from NORMAL_IMPULSE to TWIST_IMPULSE, which are one cache line.
@@ -96,9 +96,9 @@ WIDTH_OF_FACE = column(MANIFOLD, 1, "m")  # half the smallest width of the face 
 # Fields of a point of a constraint
 _CONSTRAINT_POINT = Fields()
 ARM = _CONSTRAINT_POINT.field(3, "m")  # arm of a x normal
-GAP = _CONSTRAINT_POINT.field(
-    1, "m"
-)  # the present one less its linear change by the displacements since the step began
+# The present gap less its linear change since the step began: g - n . (d_b - d_a) - (p_b x n) . r_b + (p_a x n) . r_a, with the
+# displacements d and rotation vectors r of both bodies since then, and their arms p
+GAP = _CONSTRAINT_POINT.field(1, "m")
 POINT_MASS = _CONSTRAINT_POINT.field(1, "kg")
 IMPULSE = _CONSTRAINT_POINT.field(1, "N s")
 LEVER = _CONSTRAINT_POINT.field(1, "m")  # distance from the centre
@@ -133,23 +133,17 @@ LANDED = _CONSTRAINT.field()  # 1.0 if one of its points landed in the substep
 LANDING_SPEED = _CONSTRAINT.field(1, "m/s")  # speed of approach above which unloaded points that meet have landed
 MASS_A = _CONSTRAINT.field(1, "1/kg")  # inverse masses
 MASS_B = _CONSTRAINT.field(1, "1/kg")
-REFERENCE = _CONSTRAINT.field(
-    9, "rad, m"
-)  # turns of both bodies and their relative displacement when arms were computed
+# Turns of both bodies and their relative displacement when arms were computed
+REFERENCE = _CONSTRAINT.field(9, "rad, m")
 MOST_TURN = _CONSTRAINT.field(1, "rad")  # changes of these up to which arms are kept
 MOST_SLIDE = _CONSTRAINT.field(1, "m")
-BOUNCE_THRESHOLD = _CONSTRAINT.field(
-    1, "m/s"
-)  # speed of approach above which points bounce; sweeps ignore them until then
+BOUNCE_THRESHOLD = _CONSTRAINT.field(1, "m/s")  # of approach, above which points bounce; sweeps ignore them until then
 P = _CONSTRAINT.field(4 * POINT_FIELDS)
 ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
-AXES = _CONSTRAINT.field(
-    6
-)  # axes perpendicular to the radii of both shapes, when the step began; zeros of balls and capsules
+# Axes perpendicular to the radii of both shapes, when the step began; zeros of balls and capsules
+AXES = _CONSTRAINT.field(6)
 SPIN_AXIS = _CONSTRAINT.field(3)  # about which normal impulses have no torque, when the step began; or zeros
-TURNS = (
-    _CONSTRAINT.field()
-)  # 1.0 if the normal is the direction between the nearest points of two cores, and turns with it
+TURNS = _CONSTRAINT.field()  # 1.0 if the normal is the direction between two cores, and turns with it
 # Middles and half axes of the cores of two balls or capsules, from the centres of mass of both bodies, when the step began
 CORE_A = _CONSTRAINT.field(6, "m")
 CORE_B = _CONSTRAINT.field(6, "m")

@@ -1,8 +1,8 @@
 """Sequential impulses for contacts: sweeps over the colours, in lanes within a colour.
 
 Soft steps after E. Catto, "Solver2D" (2024): every substep has a pass with a bias that pushes overlapping bodies apart like a
-damped spring, and, after the drift, a relaxing pass without this bias that removes the velocity of the push and applies
-friction. Before the latter, arms are recomputed where bodies have moved.
+damped spring, and, after the drift, a relaxing pass that applies friction, and removes the velocity of the push by a solution
+without this bias. Before the latter, arms are recomputed where bodies have moved.
 """
 
 from collections.abc import Callable

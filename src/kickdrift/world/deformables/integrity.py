@@ -3,7 +3,7 @@
 import numpy as np
 
 from kickdrift.world.deformables import layout as c
-from kickdrift.world.deformables.self_collision.proximity import VERTEX_FACE
+from kickdrift.world.deformables.self_collision.closest_features import VERTEX_FACE
 from kickdrift.world.deformables.self_collision.untangling import CROSSING
 from kickdrift.world.layout import BODY_KIND, REMOVED
 from kickdrift.world.table_checks import FileTables

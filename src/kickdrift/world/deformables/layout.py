@@ -40,9 +40,7 @@ ASKED = column(t.CLOTH_NUMBERS, 5, "N/m, N/m, N m, s, s")  # the first five colu
 MEMBRANE_RATE = column(t.CLOTH_NUMBERS, 1, "1/s")  # highest angular frequency, with the stiffness of the fabric
 BENDING_RATE = column(t.CLOTH_NUMBERS, 1, "1/s")
 REST_TIME = column(t.CLOTH_NUMBERS, 1, "s")  # of the first cloth: for how long all cloths have been at rest
-SKIN = column(
-    t.CLOTH_NUMBERS, 1, "m"
-)  # deviation of particles from their predicted paths up to which pairs remain valid
+SKIN = column(t.CLOTH_NUMBERS, 1, "m")  # deviation of particles from predicted paths up to which pairs remain valid
 
 TEAR_STRAIN = column(t.CLOTH_NUMBERS)  # 0.0 if it does not tear
 POISSON_RATIO = column(t.CLOTH_NUMBERS)  # of a soft body
@@ -89,9 +87,8 @@ RESTS = column(t.FACE_GROUP)  # row of GROUP_REST
 IN_ROWS = column(t.FACE_GROUP)  # 1 if the corners are consecutive rows; then the first triangle is all that is read
 # field to which the forces on the first corners are added, on the second and the third ones
 ADDED_TO = column(t.FACE_GROUP, 3)
-AFTER_COLOUR = column(
-    t.FACE_GROUP
-)  # one after the last row of its colour: see `kickdrift.world.deformables.face_groups`
+# One after the last row of its colour: see `kickdrift.world.deformables.face_groups`
+AFTER_COLOUR = column(t.FACE_GROUP)
 GROUP_CORNERS = column(t.FACE_GROUP, 24)  # particles: three of each triangle
 column(t.GROUP_REST, 40, "1/m, m^2")  # TO_REST and FACE_AREA
 column(t.GROUP_STRAIN, 24)  # strains along warp and weft, and shear, at the last kick
@@ -190,12 +187,10 @@ column(t.FACE_TURN, 6)  # its unit normal, at present and predicted; zeros if it
 NEXT_AROUND = column(t.FACE_STARS, 3)
 
 # CLOTH_LOAD, of a body: see `kickdrift.world.deformables.body_contacts.predicted_loads`
-WITHHELD_IMPULSE = column(t.CLOTH_LOAD, 3, "N s")  # which acts in the next substep
-WITHHELD_TURN = column(t.CLOTH_LOAD, 3, "N m s")
+WITHHELD_IMPULSE = column(t.CLOTH_LOAD, 6, "N s, N m s")  # and angular impulse, which act in the next substep
 STEADY_FORCE = column(t.CLOTH_LOAD, 3, "N")  # which acts in it as well, and is taken back
 STEADY_TORQUE = column(t.CLOTH_LOAD, 3, "N m")
-GIVEN_FORCE = column(t.CLOTH_LOAD, 3, "N")  # that has moved the body in the last substep
-GIVEN_TORQUE = column(t.CLOTH_LOAD, 3, "N m")
+GIVEN_FORCE = column(t.CLOTH_LOAD, 6, "N, N m")  # and torque that have moved the body in the last substep
 STARTED_LOAD = column(t.CLOTH_LOAD, 18)  # these when the step began
 NOTED_VELOCITY = column(t.CLOTH_LOAD, 3, "m/s")  # before the kick
 NOTED_SPIN = column(t.CLOTH_LOAD, 3, "kg m^2/s")

@@ -1,7 +1,7 @@
 """Selection of the bodies that are solved directly: links of articulations, free bodies near them, and unsolved heaps."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.broad_phase.filters import is_solid
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.contact_lookup import bodies_of
 from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND

@@ -3,7 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.collision.broad_phase.filters import is_solid
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
 from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
 from kickdrift.world.direct.contact_lookup import linked_contacts

@@ -12,7 +12,7 @@ of ten cubes, each 1.5 times as large as the one below, leans so far that it fal
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
 from kickdrift.world.collision.body_acceleration import acceleration, weight_per_mass
-from kickdrift.world.collision.broad_phase.filters import is_solid
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batch_division import CROWD

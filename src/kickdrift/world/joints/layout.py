@@ -145,7 +145,7 @@ AXES_AHEAD = column(LINK_NUMBERS, 18)  # AXES and arms as they will be at the en
 ARM_A_AHEAD = column(LINK_NUMBERS, 3, "m")
 ARM_B_AHEAD = column(LINK_NUMBERS, 3, "m")
 FRICTION_SHARE = column(LINK_NUMBERS, 3)  # parts of the bound of friction that angular axes share; fixed in a solution
-# Of laws: impulse, less the one before the solution, that upright pieces begin with
+# Of laws: impulse, less the one before the solution, that vertical segments begin with
 LAW_BASE = column(LINK_NUMBERS, 6, "N s, N m s")
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there
 ACCEPTED_DELTA_SPEED = column(LINK_NUMBERS, 6, "m/s, rad/s")

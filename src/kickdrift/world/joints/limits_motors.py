@@ -1,10 +1,10 @@
 """Laws of open axes: limits, motor, drive and dry friction as one relation between impulse and speed.
 
-The graph of the law, impulse over speed, falls: a limit, a motor and friction are upright pieces at their speeds, a drive is a
-slope between its maxima, and all add up. With a straight line that rises, speed = free speed + mobility x impulse, it has one
-intersection. A joint assumes the piece on which this lies; the articulation is solved with the assumed pieces, and solved again
-as long as a solution lies on other ones (an active-set, or semi-smooth Newton, method). Upright pieces are then replaced by
-steep ones, and the solution is repeated with their impulses until these no longer change.
+The graph of the law, impulse over speed, falls: a limit, a motor and friction are vertical segments at their speeds, a drive is
+a slope between its maxima, and all add up. With a straight line that rises, speed = free speed + mobility x impulse, it has one
+intersection. A joint assumes the segment on which this lies; the articulation is solved with the assumed segments, and solved
+again as long as a solution lies on other ones (an active-set, or semi-smooth Newton, method). Vertical ones are then replaced
+by steep ones, and the solution is repeated with their impulses until these no longer change.
 
 A drive acts by the position and the speed that it will have,
 
@@ -238,7 +238,7 @@ def update_law_states(world: int, joint: int, link: int, h: float, phase: int, f
 
 @compiled(cached=False)
 def refine_laws(world: int, joint: int, link: int) -> float:
-    """Let upright pieces begin with the impulses of the current solution, and return the largest speed that it leaves there."""
+    """Let vertical segments begin with the impulses of the solution, and return the largest speed that it leaves there."""
     laws, work, worst = integers(world, JOINT)[joint, j.LAWS], floats(world, LINK_NUMBERS), 0.0
     for k in range(6):
         if laws >> k & 1:

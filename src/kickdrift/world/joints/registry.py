@@ -9,7 +9,7 @@ from weakref import ReferenceType
 import numpy as np
 
 from kickdrift.core.errors import ArgumentError
-from kickdrift.world.collision.broad_phase.filters import part_joined
+from kickdrift.world.collision.broad_phase.filters_and_sensors import part_joined
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.body_mass_change import follow_mass
 from kickdrift.world.joints.breaking import overloaded

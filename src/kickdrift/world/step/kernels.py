@@ -35,7 +35,7 @@ from kickdrift.world.direct.island_calls import AIM, REPAIR, SOLVE
 from kickdrift.world.direct.island_right_hand_sides import aim_joints
 from kickdrift.world.direct.island_solver import solve_islands
 from kickdrift.world.direct.position_correction import correct_poses
-from kickdrift.world.joints.prepare import begin_joints
+from kickdrift.world.joints.begin_joints import begin_joints
 from kickdrift.world.step.stage_order import Word
 
 

@@ -2,6 +2,9 @@
 
 Two of its letters, `kick` and `drift`, are flows like those of the engine; between and after them are projections onto the
 velocities that contacts and joints allow.
+
+A stage is called with the time t, the length h that it covers and the address of the tables: h is the step, s, before and after
+the substeps, and the substep within them.
 """
 
 from typing import Any

@@ -41,10 +41,10 @@ from kickdrift.world.direct.unconverged_heaps import ask_again, count_unsolved, 
 from kickdrift.world.direct.velocity_projection import relax_islands
 from kickdrift.world.force_functions import begin_forces, begin_later_forces
 from kickdrift.world.integration import complete_free_kicks, drift, finish, flatten, kick
+from kickdrift.world.joints.begin_joints import begin_joints, wake_joints
 from kickdrift.world.joints.breaking import finish_joints
 from kickdrift.world.joints.joint_warm_start import warm_start_joints
 from kickdrift.world.joints.kinematics import follow_joints, measure_joints
-from kickdrift.world.joints.prepare import begin_joints, wake_joints
 from kickdrift.world.sleeping import sleep, wake_moved, wake_touched
 from kickdrift.world.step.lost_bodies import find_lost
 from kickdrift.world.step.rollback import begin

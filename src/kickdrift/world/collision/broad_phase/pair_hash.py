@@ -1,4 +1,4 @@
-"""Hash table of the current contacts by their shapes, at the start of SCRATCH."""
+"""Hash table, by their shapes, of the contacts that a search may find again, at the start of SCRATCH."""
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.search_state import SLOTS

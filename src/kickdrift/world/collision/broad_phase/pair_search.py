@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.broad_phase.bvh import gather
 from kickdrift.world.collision.broad_phase.fat_aabb import may_move
-from kickdrift.world.collision.broad_phase.filters import may_touch
+from kickdrift.world.collision.broad_phase.filters_and_sensors import may_touch
 from kickdrift.world.collision.broad_phase.pair_hash import is_known, key_of
 from kickdrift.world.collision.broad_phase.search_state import AT_HOME, FOUND, PAIRS_AT, PARTS_AT, SHAPES_AT, VISITS
 from kickdrift.world.collision.broad_phase.sorting import sort

@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.bvh_update import update_trees
-from kickdrift.world.collision.broad_phase.filters import may_touch
+from kickdrift.world.collision.broad_phase.filters_and_sensors import may_touch
 from kickdrift.world.collision.broad_phase.pair_hash import clear, insert, key_of, slots_for
 from kickdrift.world.collision.broad_phase.pair_search import FIRST_SHAPE, PAIR, PART, SECOND_SHAPE, overlap, seek
 from kickdrift.world.collision.broad_phase.search_state import (

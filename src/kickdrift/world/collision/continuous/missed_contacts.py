@@ -11,7 +11,7 @@ in the shortest parts causes a warning.
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.aabb import box_in_frame, boxes_overlap, fat_bounds, reaches_under
 from kickdrift.world.collision.broad_phase.bvh import Box, gather
-from kickdrift.world.collision.broad_phase.filters import may_touch
+from kickdrift.world.collision.broad_phase.filters_and_sensors import may_touch
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.collision.continuous.stale_points import deviation, points_are_stale
 from kickdrift.world.collision.continuous.swept_overlap import may_meet, swept_box, thinner

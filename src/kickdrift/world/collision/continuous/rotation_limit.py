@@ -8,7 +8,7 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross, dot
-from kickdrift.world.collision.broad_phase.filters import is_solid
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.collision.continuous.missed_contacts import drop_paths
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.contacts.layout import BODY_A, BODY_B

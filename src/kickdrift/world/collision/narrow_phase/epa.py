@@ -14,6 +14,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, normal_to, plus, times
 from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
 from kickdrift.world.collision.narrow_phase.shape_frames import directed_back, placed, placed_back
+from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import POINT
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, farthest, signed_distance
@@ -43,14 +44,9 @@ def _farthest_of_frustum(a: Frustum, frame: Any, n: Vector) -> Vector:
 
 
 @compiled(inline=True)
-def _vector(numbers: Any, at: int) -> Vector:
-    return (numbers[at], numbers[at + 1], numbers[at + 2])
-
-
-@compiled(inline=True)
 def is_off(f: Frustum, manifold: Any, on: int, tolerance: float) -> bool:
     """Whether the first contact point of a frustum is outside it; `on` is `ON_A` or `ON_B`, its place in the manifold."""
-    distance, _ = signed_distance(f, _vector(manifold, POINT + on))
+    distance, _ = signed_distance(f, point_at(manifold, POINT + on))
     return bool(distance > tolerance)
 
 
@@ -103,7 +99,7 @@ def _overlap(a: Any, frame: Any, f: Frustum) -> tuple[float, Vector, Vector]:
     count, depth, normal = 4, np.inf, n
     for number in range(4, _CORNERS):
         face = _nearest_face(faces, count)
-        n, offset = _vector(faces, face + 3), faces[face + 6]
+        n, offset = point_at(faces, face + 3), faces[face + 6]
         _put_corner(corners, number, farthest_of_first(a, frame, times(-1.0, n)), farthest(f, n))
         reach = dot(n, _corner(corners, number))
         if reach < depth:
@@ -116,12 +112,12 @@ def _overlap(a: Any, frame: Any, f: Frustum) -> tuple[float, Vector, Vector]:
 
 @compiled(inline=True)
 def _corner(corners: Any, k: int) -> Vector:
-    return _vector(corners, _CORNER * k)
+    return point_at(corners, _CORNER * k)
 
 
 @compiled(inline=True)
 def _point(corners: Any, k: int) -> Vector:
-    return _vector(corners, _CORNER * k + 3)
+    return point_at(corners, _CORNER * k + 3)
 
 
 @compiled(inline=True)
@@ -158,7 +154,7 @@ def _contact(faces: Any, count: int, corners: Any, normal: Vector) -> Vector:
     """Return the point of the first shape where a ray from the origin along the normal leaves the polytope."""
     best, x = -np.inf, (0.0, 0.0, 0.0)
     for face in range(0, _FACE * count, _FACE):
-        if dot(_vector(faces, face + 3), normal) <= 0.0:
+        if dot(point_at(faces, face + 3), normal) <= 0.0:
             continue
         p, q, r = int(faces[face]), int(faces[face + 1]), int(faces[face + 2])
         u, v, w = _corner(corners, p), _corner(corners, q), _corner(corners, r)
@@ -177,7 +173,7 @@ def _expand(faces: Any, count: int, corners: Any, number: int, middle: Vector) -
     edges, k, p = 0, 0, _corner(corners, number)
     while k < count:
         at = _FACE * k
-        if dot(_vector(faces, at + 3), p) <= faces[at + 6]:
+        if dot(point_at(faces, at + 3), p) <= faces[at + 6]:
             k += 1
             continue
         for side in range(3):

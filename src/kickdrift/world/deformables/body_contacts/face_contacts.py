@@ -34,7 +34,7 @@ from kickdrift.world.deformables.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
 )
-from kickdrift.world.deformables.self_collision.proximity import barycentric
+from kickdrift.world.deformables.self_collision.closest_features import barycentric
 from kickdrift.world.layout import BEGIN, BODY_ROW, RADIUS, SHAPE_KIND, SIZE
 from kickdrift.world.shapes.kind_numbers import CYLINDER, TRIANGLE
 from kickdrift.world.shapes.record import SOLID

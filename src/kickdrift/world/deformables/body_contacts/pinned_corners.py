@@ -2,7 +2,7 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, plus, times, turned
-from kickdrift.world.collision.broad_phase.filters import is_excluded
+from kickdrift.world.collision.broad_phase.filters_and_sensors import is_excluded
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.deformables.body_contacts.body_impulses import mutual_response, push_body
 from kickdrift.world.deformables.layout import (

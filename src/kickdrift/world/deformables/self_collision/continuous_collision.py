@@ -11,10 +11,18 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.deformables.layout import PAIR_APART, PAIR_KIND, PAIR_SEEN, PARTICLE_VELOCITY, TRAVELLED
+from kickdrift.world.deformables.self_collision.closest_features import (
+    Ways,
+    Weights,
+    closing,
+    less_mean,
+    mix,
+    mixed,
+    nearest,
+)
 from kickdrift.world.deformables.self_collision.impact_zones import begin_zones, join_zone, move_zones
 from kickdrift.world.deformables.self_collision.near_pairs import is_free, mobility, particles_of, response
 from kickdrift.world.deformables.self_collision.pair_impulses import give_late, move_apart
-from kickdrift.world.deformables.self_collision.proximity import Ways, Weights, closing, less_mean, mix, mixed, nearest
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING
 from kickdrift.world.tables import (

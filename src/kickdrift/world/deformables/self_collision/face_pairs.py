@@ -25,10 +25,10 @@ from kickdrift.world.deformables.layout import (
     SKIN,
     TRAVELLED,
 )
+from kickdrift.world.deformables.self_collision.closest_features import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.deformables.self_collision.face_normals import is_flat_around, least_cosine
 from kickdrift.world.deformables.self_collision.pair_culling import are_apart, nearing
 from kickdrift.world.deformables.self_collision.pair_rows import NO_ROOM, add_pair
-from kickdrift.world.deformables.self_collision.proximity import EDGE_EDGE, VERTEX_FACE, Corners, nearest
 from kickdrift.world.deformables.self_collision.swept_bounds import predicted
 from kickdrift.world.deformables.self_collision.untangling import note_crossing
 from kickdrift.world.material_mixing import mixed_friction

@@ -24,7 +24,7 @@ from kickdrift.world.deformables.layout import (
     PARTICLE_INVERSE_MASS,
     TRAVELLED,
 )
-from kickdrift.world.deformables.self_collision.proximity import EDGE_EDGE, Corners, Weights, nearest
+from kickdrift.world.deformables.self_collision.closest_features import EDGE_EDGE, Corners, Weights, nearest
 from kickdrift.world.deformables.self_collision.untangling import CROSSING
 from kickdrift.world.tables import (
     CLOTH_PAIR,

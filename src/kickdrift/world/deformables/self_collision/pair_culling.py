@@ -11,7 +11,7 @@ from kickdrift.world.deformables.layout import (
     SEARCH_HORIZON,
     SKIN,
 )
-from kickdrift.world.deformables.self_collision.proximity import Corners, closing, less_mean
+from kickdrift.world.deformables.self_collision.closest_features import Corners, closing, less_mean
 from kickdrift.world.deformables.self_collision.swept_bounds import predicted
 from kickdrift.world.tables import CLOTH_NUMBERS, CLOTH_SEARCH, FACE, PARTICLE_PATH, floats, integers
 

@@ -21,8 +21,8 @@ from kickdrift.world.deformables.layout import (
     PARTICLE_INVERSE_MASS,
     PARTICLE_VELOCITY,
 )
+from kickdrift.world.deformables.self_collision.closest_features import Corners, Weights, closing, less_mean, mixed
 from kickdrift.world.deformables.self_collision.near_pairs import inverse_mass, is_laid, note_near, particles_of
-from kickdrift.world.deformables.self_collision.proximity import Corners, Weights, closing, less_mean, mixed
 from kickdrift.world.deformables.self_collision.swept_bounds import travels
 from kickdrift.world.deformables.self_collision.untangling import CROSSING, untangle
 from kickdrift.world.tables import (

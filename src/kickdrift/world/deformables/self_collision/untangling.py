@@ -20,8 +20,8 @@ from kickdrift.world.deformables.layout import (
     PAIR_KIND,
     PARTICLE_INVERSE_MASS,
 )
+from kickdrift.world.deformables.self_collision.closest_features import barycentric
 from kickdrift.world.deformables.self_collision.pair_rows import NO_ROOM, add_pair
-from kickdrift.world.deformables.self_collision.proximity import barycentric
 from kickdrift.world.tables import CLOTH_PAIR, FACE, PARTICLE, PARTICLE_SHIFT, ZONE, floats, integers
 
 CROSSING = 2  # kind of a pair of triangles
