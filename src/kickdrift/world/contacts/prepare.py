@@ -63,5 +63,10 @@ def prepare(t: float, h: float, world: int) -> None:
                 scratch[k * c.WIDTH + lane] = 0.0
         own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
         run_kernel(kernels[0, c.FILL], (own, raw, substep, 0.0, 0.0, n))
+        turns = 0.0
+        for lane in range(n):
+            turns += raw[r.TURNS * c.WIDTH + lane]
+        if turns > 0.0:
+            run_kernel(kernels[0, c.FILL_CORES], (own, raw, 0.0, 0.0, 0.0, n))
         run_kernel(kernels[0, c.REFRESH], (own, scratch, slop, 0.0, 0.0, n))
         run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))

@@ -38,7 +38,7 @@ SHARE = _RAW.field()
 TURNS = _RAW.field()
 LANDING = _RAW.field(1, "m/s")
 STALE = _RAW.field(2, "rad, m")
-HALF_A = _RAW.field(3, "m")  # half axes of the cores of balls and capsules, in the world's axes
+HALF_A = _RAW.field(3, "m")  # half axes of the cores of balls and capsules, in the world's axes, if the normal turns
 HALF_B = _RAW.field(3, "m")
 AXIS_A = _RAW.field(3)  # in the world's axes
 AXIS_B = _RAW.field(3)
@@ -144,14 +144,6 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float
     own[i + c.GAP * W] = gap - radius_a * rise_a - radius_b * rise_b + 0.5 * h * h * bend
 
 
-@compiled(fast=True, inline=True)
-def _fill_core(own: Any, raw: Any, lane: int, core: int, middle: int, half: int) -> None:
-    x, y, z = vector(raw, middle, lane)
-    put(own, core, lane, x, y, z)
-    x, y, z = vector(raw, half, lane)
-    put(own, core + 3, lane, x, y, z)
-
-
 @compiled(fast=True)
 def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -> None:
     """Write all fields of the constraints of a group except those of `refresh` and `refresh_friction`; h is the substep, s."""
@@ -165,8 +157,6 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         put(own, c.AXES + 3, lane, x, y, z)
         u, v, w = vector(raw, SPIN_AXIS, lane)
         put(own, c.SPIN_AXIS, lane, u, v, w)
-        _fill_core(own, raw, lane, c.CORE_A, ARM_A, HALF_A)
-        _fill_core(own, raw, lane, c.CORE_B, ARM_B, HALF_B)
         round_b = away(raw, TURNING_B * W + lane, n, x, y, z)
         _fill_point(own, raw, lane, j, i, at, h, round_a, round_b)
         _fill_point(own, raw, lane, j + _ANCHOR, i + NEXT, at + _ANCHOR, h, round_a, round_b)
@@ -209,3 +199,17 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         )
         x, y, z = vector(raw, ROLLED, lane)
         put(own, c.ROLL_IMPULSE, lane, x, y, z)
+
+
+@compiled(fast=True)
+def fill_cores(own: Any, raw: Any, unused: float, none: float, nothing: float, count: int) -> None:
+    """Write the middles and half axes of cores, after `fill`, for groups with normals that turn."""
+    for lane in range(count):
+        x, y, z = vector(raw, ARM_A, lane)
+        put(own, c.CORE_A, lane, x, y, z)
+        x, y, z = vector(raw, HALF_A, lane)
+        put(own, c.CORE_A + 3, lane, x, y, z)
+        x, y, z = vector(raw, ARM_B, lane)
+        put(own, c.CORE_B, lane, x, y, z)
+        x, y, z = vector(raw, HALF_B, lane)
+        put(own, c.CORE_B + 3, lane, x, y, z)

@@ -55,19 +55,20 @@ def gather_cores(world: int, row: int, turn_a: Quaternion, turn_b: Quaternion, b
     """
     contact, place = integers(world, CONTACT), floats(world, PLACE)
     a, b, moving = contact[row, c.SHAPE_A], contact[row, c.SHAPE_B], contact[row, c.CONTACT_STATE] & (c.MOVING | c.FAST)
-    turns, half_a, half_b = moving != 0 and core_of(world, a) == CENTRE and core_of(world, b) == CENTRE, _NONE, _NONE
+    raw[r.TURNS * c.WIDTH] = 0.0
+    if moving == 0 or core_of(world, a) != CENTRE or core_of(world, b) != CENTRE:
+        return
     # With friction, piles of parallel capsules whose normals turned would creep at 1e-7 m/s, and never come to rest.
     smooth = mixed_friction(place[a, FRICTION], place[b, FRICTION]) == 0.0
-    if turns and (contact[row, c.POINTS] == 1 or smooth):
-        half_a, half_b = half_axis(world, a, turn_a), half_axis(world, b, turn_b)
-        raw[r.TURNS * c.WIDTH] = 1.0
-        if contact[row, c.POINTS] > 1 and not are_parallel(half_a, half_b, _SIDE_BY_SIDE):
-            on_a, on_b = segments(between, half_a, half_b)
-            raw[(r.ON_A + 2) * c.WIDTH], raw[(r.ON_B + 2) * c.WIDTH] = on_a * length(half_a), on_b * length(half_b)
-            raw[r.COUNT * c.WIDTH] = 1.0
-            raw[r.IMPULSE * c.WIDTH] += raw[(r.IMPULSE + 1) * c.WIDTH]
-            raw[(r.IMPULSE + 1) * c.WIDTH] = 0.0
-    else:
-        raw[r.TURNS * c.WIDTH] = 0.0
+    if contact[row, c.POINTS] > 1 and not smooth:
+        return
+    half_a, half_b = half_axis(world, a, turn_a), half_axis(world, b, turn_b)
+    raw[r.TURNS * c.WIDTH] = 1.0
+    if contact[row, c.POINTS] > 1 and not are_parallel(half_a, half_b, _SIDE_BY_SIDE):
+        on_a, on_b = segments(between, half_a, half_b)
+        raw[(r.ON_A + 2) * c.WIDTH], raw[(r.ON_B + 2) * c.WIDTH] = on_a * length(half_a), on_b * length(half_b)
+        raw[r.COUNT * c.WIDTH] = 1.0
+        raw[r.IMPULSE * c.WIDTH] += raw[(r.IMPULSE + 1) * c.WIDTH]
+        raw[(r.IMPULSE + 1) * c.WIDTH] = 0.0
     for k in range(3):
         raw[(r.HALF_A + k) * c.WIDTH], raw[(r.HALF_B + k) * c.WIDTH] = half_a[k], half_b[k]
