@@ -145,9 +145,10 @@ ANCHORS = _CONSTRAINT.field(4 * ANCHOR_SIZE)
 AXES = _CONSTRAINT.field(6)
 SPIN_AXIS = _CONSTRAINT.field(3)  # about which normal impulses have no torque, when the step began; or zeros
 TURNS = _CONSTRAINT.field()  # 1.0 if the normal is the direction between two cores, and turns with it
-# Middles and half axes of the cores of two balls or capsules, from the centres of mass of both bodies, when the step began
-CORE_A = _CONSTRAINT.field(6, "m")
-CORE_B = _CONSTRAINT.field(6, "m")
+# Middles and half axes of the cores of two balls or capsules whose normal turns, from the centres of mass of both bodies, when
+# the step began: over the anchors of a third and a fourth point, which they do not have
+CORE_A = ANCHORS + 2 * ANCHOR_SIZE
+CORE_B = ANCHORS + 3 * ANCHOR_SIZE
 SHARE = _CONSTRAINT.field()  # where both arms end between the point on a, 0, and that on b, 1
 COUNT = _CONSTRAINT.field()  # of points
 REFRESHED = _CONSTRAINT.field()  # 1.0 if arms were recomputed within the step
