@@ -206,3 +206,11 @@ def test_invalid_strains_are_errors(strain):
         world.add_cloth_grid(tether_strain=strain)
     with pytest.raises(kd.ArgumentError, match="tether_strain"):
         world.add_rope([(0, 0, 0), (1, 0, 0)], tether_strain=strain)
+
+
+@pytest.mark.parametrize(("options", "advised"), [({"damping": 1e-3}, False), ({"stretch_stiffness": 1e6}, True)])
+@SOFTER
+def test_tethers_are_advised_where_the_step_makes_cloth_softer(options, advised):
+    world = kd.World()
+    world.add_cloth_grid(vertices=(30, 30), **options)
+    assert ("tether_strain" in world.run(duration=0.02, step=STEP).message) == advised

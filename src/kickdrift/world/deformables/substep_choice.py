@@ -75,6 +75,7 @@ def softness(words: str, dimension: int, numbers: Floats) -> str:
     ]
     if not found:
         return ""
-    tethers = ", and tether_strain bounds the stretch" if dimension != c.VOLUME and not numbers[c.TETHER_STRAIN] else ""
+    stretches = used[0] < asked[0] and dimension != c.VOLUME and not numbers[c.TETHER_STRAIN]
+    tethers = ", and tether_strain bounds the stretch" if stretches else ""
     more = f"more substeps or {_LARGER[dimension]} allow more{tethers}"
     return f" Of {words}, as much as the step allows: {', '.join(found)}; {more}."
