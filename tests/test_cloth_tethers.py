@@ -214,3 +214,18 @@ def test_tethers_are_advised_where_the_step_makes_cloth_softer(options, advised)
     world = kd.World()
     world.add_cloth_grid(vertices=(30, 30), **options)
     assert ("tether_strain" in world.run(duration=0.02, step=STEP).message) == advised
+
+
+def test_tethers_can_be_set_and_removed():
+    world = kd.World(substeps=1)
+    rope = world.add_rope(
+        [(0, 0, -0.1 * k) for k in range(11)], stretch_stiffness=50.0, density=0.5, linear_damping=1.0
+    )
+    rope.pin([0])
+    for strain, longest in ((0.01, 1.01), (0.0, 1.05)):
+        rope.tether_strain = strain
+        assert rope.tether_strain == strain
+        world.advance(STEP, 300)
+        assert -rope.position[-1, 2] == pytest.approx(longest, abs=5e-3)
+    with pytest.raises(kd.KickdriftError, match="tether_strain"):
+        rope.tether_strain = -0.1

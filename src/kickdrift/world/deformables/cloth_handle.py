@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kickdrift.world.argument_checks import direction, vector
-from kickdrift.world.deformables.deformable import Deformable
 from kickdrift.world.deformables.material import parameter
+from kickdrift.world.deformables.tethered import Tethered
 from kickdrift.world.deformables.wind_functions import air_velocity
 
 Floats = NDArray[np.float64]
 
 
-class Cloth(Deformable):
+class Cloth(Tethered):
     """A cloth of a world.
 
     Attributes

@@ -207,6 +207,8 @@ class Cloths:
         self.tables.altered = True  # the loop of the steps depends on whether it can tear
         if name == "friction":
             forget_pairs(self.tables)
+        if name == "tether_strain":
+            self._preparation.forget_pins()
         self._bodies.wake()
         self.wake()
 
@@ -291,6 +293,6 @@ class Cloths:
 
 _COLUMNS = {
     "wind": (c.WIND, 3), "friction": (c.CLOTH_FRICTION, 1), "tear_strain": (c.TEAR_STRAIN, 1), "radius": (c.CLOTH_RADIUS, 1),
-    "poisson_ratio": (c.POISSON_RATIO, 1),
+    "poisson_ratio": (c.POISSON_RATIO, 1), "tether_strain": (c.TETHER_STRAIN, 1),
 }  # fmt: skip
 _HANDLES: dict[int, type[Deformable]] = {c.ROPE: Rope, c.SHEET: Cloth, c.VOLUME: SoftBody}

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kickdrift.world.deformables.deformable import Deformable
+from kickdrift.world.deformables.tethered import Tethered
 
 Floats = NDArray[np.float64]
 
 
-class Rope(Deformable):
+class Rope(Tethered):
     """A rope of a world.
 
     Attributes
