@@ -7,12 +7,12 @@ the stages that use them, each would be compiled several times.
 
 Between `s` and n are three numbers, whose meanings are those of each kernel:
 
-- `fill`: the substep, s; instead of the scratch it gets `raw`, as `fill_cores` does.
+- `fill`: the substep, s; instead of the scratch it gets `raw`.
 - `refresh`: slop, m; the substep, s, or 0.0 to keep the gaps.
 - `refresh_friction`: the second is 1.0 if bodies have moved within the step, 0.0 in its preparation.
 - `find_stale`: factors by which turns about the normal, and slides, count more than tilts.
 - `solve_normals`: 1 over the substep, 1/s; 1.0 for the soft sweep with the push, 0.0 for the rigid one; its bound.
-- `fill_cores`, `solve_friction`, `apply_impulses`, `turn_normals`, `measure_normals`: none.
+- `solve_friction`, `apply_impulses`, `turn_normals`, `measure_normals`: none.
 """
 
 from typing import Any
@@ -33,7 +33,6 @@ from kickdrift.world.contacts.prepare_simd import (
     VELOCITY_A,
     VELOCITY_B,
     fill,
-    fill_cores,
 )
 from kickdrift.world.contacts.simd_vectors import NEXT, W, impulses, put, turn, vector
 from kickdrift.world.contacts.turned_normals_simd import turn_normals
@@ -223,5 +222,5 @@ def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float
 KERNELS = {
     c.APPLY_IMPULSES: apply_impulses, c.SOLVE_NORMALS: solve_normals, c.SOLVE_FRICTION: solve_friction, c.FILL: fill,
     c.FIND_STALE: find_stale, c.REFRESH: refresh, c.REFRESH_FRICTION: refresh_friction,
-    c.TURN_NORMALS: turn_normals, c.FILL_CORES: fill_cores, c.MEASURE: measure_normals,
+    c.TURN_NORMALS: turn_normals, c.MEASURE: measure_normals,
 }  # fmt: skip

@@ -50,7 +50,6 @@ FIND_STALE = column(KERNEL_ADDRESSES)
 REFRESH = column(KERNEL_ADDRESSES)
 REFRESH_FRICTION = column(KERNEL_ADDRESSES)
 TURN_NORMALS = column(KERNEL_ADDRESSES)
-FILL_CORES = column(KERNEL_ADDRESSES)
 MEASURE = column(KERNEL_ADDRESSES)
 LANE_COUNT = column(KERNEL_ADDRESSES)
 # Functions of the direct solver that `kickdrift.world.direct.island_calls` calls

@@ -1,5 +1,7 @@
 """Preparation of the constraints of contacts, in lanes, from their manifolds."""
 
+from typing import Any
+
 from numba import carray
 
 from kickdrift.core.compilation import compiled
@@ -63,10 +65,20 @@ def prepare(t: float, h: float, world: int) -> None:
                 scratch[k * c.WIDTH + lane] = 0.0
         own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
         run_kernel(kernels[0, c.FILL], (own, raw, substep, 0.0, 0.0, n))
-        turns = 0.0
         for lane in range(n):
-            turns += raw[r.TURNS * c.WIDTH + lane]
-        if turns > 0.0:
-            run_kernel(kernels[0, c.FILL_CORES], (own, raw, 0.0, 0.0, 0.0, n))
+            if raw[r.TURNS * c.WIDTH + lane] > 0.0:
+                _write_cores(own[lane:], raw[lane:])
         run_kernel(kernels[0, c.REFRESH], (own, scratch, slop, 0.0, 0.0, n))
         run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))
+
+
+@compiled(inline=True)
+def _write_cores(own: Any, raw: Any) -> None:
+    """Write the middles and half axes of the cores of a constraint with a normal that turns."""
+    for k in range(3):
+        own[(c.CORE_A + k) * c.WIDTH], own[(c.CORE_B + k) * c.WIDTH] = (
+            raw[(r.ARM_A + k) * c.WIDTH],
+            raw[(r.ARM_B + k) * c.WIDTH],
+        )
+        own[(c.CORE_A + 3 + k) * c.WIDTH] = raw[(r.HALF_A + k) * c.WIDTH]
+        own[(c.CORE_B + 3 + k) * c.WIDTH] = raw[(r.HALF_B + k) * c.WIDTH]

@@ -199,21 +199,3 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         )
         x, y, z = vector(raw, ROLLED, lane)
         put(own, c.ROLL_IMPULSE, lane, x, y, z)
-
-
-@compiled(fast=True, inline=True)
-def _put_core(own: Any, lane: int, core: int, middle: Any, half: Any, turns: bool) -> None:
-    (p, q, r), (u, v, w) = middle, half
-    x, y, z = vector(own, core, lane)
-    put(own, core, lane, p if turns else x, q if turns else y, r if turns else z)
-    x, y, z = vector(own, core + 3, lane)
-    put(own, core + 3, lane, u if turns else x, v if turns else y, w if turns else z)
-
-
-@compiled(fast=True)
-def fill_cores(own: Any, raw: Any, unused: float, none: float, nothing: float, count: int) -> None:
-    """Write the middles and half axes of cores, after `fill`, in the lanes whose normals turn."""
-    for lane in range(count):
-        turns = raw[TURNS * W + lane] > 0.0
-        _put_core(own, lane, c.CORE_A, vector(raw, ARM_A, lane), vector(raw, HALF_A, lane), turns)
-        _put_core(own, lane, c.CORE_B, vector(raw, ARM_B, lane), vector(raw, HALF_B, lane), turns)
