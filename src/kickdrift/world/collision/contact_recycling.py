@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product, turned_back
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, dot, minus, product
 from kickdrift.world.collision.body_acceleration import closing_acceleration
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.collision.fast_pairs import needs_time_of_impact
@@ -12,7 +12,7 @@ from kickdrift.world.collision.ghost_collisions import drop_ghosts
 from kickdrift.world.collision.narrow_phase.impulse_matching import reserve_lost_points
 from kickdrift.world.collision.narrow_phase.manifolds import find_manifold, smallest
 from kickdrift.world.collision.predicted_motion import has_change
-from kickdrift.world.collision.shape_poses import placed_pose
+from kickdrift.world.collision.shape_poses import placed_pose, relative_pose
 from kickdrift.world.collision.shape_properties import is_round, sort_of
 from kickdrift.world.collision.speculative_margin import approach
 from kickdrift.world.columns import quaternion_at, vector_at
@@ -70,10 +70,7 @@ def find_points(t: float, h: float, world: int) -> None:
             manifold[row, RECYCLED] = 0.0
         if awake[contact[row, BODY_A], AWAKE] == 0 and awake[contact[row, BODY_B], AWAKE] == 0:
             continue
-        at_a, turn_a = placed_pose(world, a)
-        at_b, turn_b = placed_pose(world, b)
-        at = turned_back(turn_a, minus(at_b, at_a))
-        turn = product(conjugate(turn_a), turn_b)
+        at, turn = relative_pose(placed_pose(world, a), placed_pose(world, b))
         pushed = settings[0, STEP] ** 2 * closing_acceleration(world, row)
         way = approach(world, row, pushed)
         changes = has_change(world, contact[row, BODY_A]) or has_change(world, contact[row, BODY_B])

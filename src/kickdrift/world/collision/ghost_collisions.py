@@ -10,9 +10,9 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, conjugate, dot, minus, plus, product, times, turned, turned_back
+from kickdrift.core.vectors import Vector, dot, minus, plus, times, turned, turned_back
 from kickdrift.world.collision.narrow_phase.manifolds import deepest, find_manifold, write_points
-from kickdrift.world.collision.shape_poses import placed_pose
+from kickdrift.world.collision.shape_poses import placed_pose, relative_pose
 from kickdrift.world.collision.shape_properties import half_width, is_round, sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -100,9 +100,8 @@ def _slides(world: int, row: int, body: int, velocity: Vector, height: float) ->
     for other in range(rows(world, CONTACT)):
         if other == row or contact[other, POINTS] == 0 or body not in (contact[other, BODY_A], contact[other, BODY_B]):
             continue
-        at_a, turn_a = placed_pose(world, contact[other, SHAPE_A])
-        at_b, turn_b = placed_pose(world, contact[other, SHAPE_B])
-        at, turn = turned_back(turn_a, minus(at_b, at_a)), product(conjugate(turn_a), turn_b)
+        a = placed_pose(world, contact[other, SHAPE_A])
+        at, turn = relative_pose(a, placed_pose(world, contact[other, SHAPE_B]))
         gap, normal = deepest(manifold, other, contact[other, POINTS], at, turn)
-        slides = slides or (abs(gap) < height and abs(dot(turned(turn_a, normal), velocity)) < most)
+        slides = slides or (abs(gap) < height and abs(dot(turned(a[1], normal), velocity)) < most)
     return slides

@@ -1,7 +1,7 @@
 """Poses of shapes in the world: origin and orientation."""
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Quaternion, Vector, plus, product, turned
+from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, plus, product, turned, turned_back
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.layout import (
     BODY_ROW,
@@ -15,6 +15,13 @@ from kickdrift.world.layout import (
 from kickdrift.world.tables import PLACE, PLACED, POSE, SHAPE, floats, integers
 
 Pose = tuple[Vector, Quaternion]
+
+
+@compiled(inline=True)
+def relative_pose(a: Pose, b: Pose) -> Pose:
+    """Return a pose in the frame of another one, the first."""
+    (at_a, turn_a), (at_b, turn_b) = a, b
+    return turned_back(turn_a, minus(at_b, at_a)), product(conjugate(turn_a), turn_b)
 
 
 @compiled(inline=True)

@@ -8,9 +8,8 @@ nor the energy shows it.
 import math
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import conjugate, minus, product, turned_back
 from kickdrift.world.collision.narrow_phase.manifolds import deepest
-from kickdrift.world.collision.shape_poses import placed_pose
+from kickdrift.world.collision.shape_poses import relative_pose, shape_pose
 from kickdrift.world.contacts.layout import POINTS, SHAPE_A, SHAPE_B
 from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.direct.islands import direct_islands
@@ -48,9 +47,7 @@ def _overlap(world: int, island: int) -> float:
     least = math.inf
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         row = order[k, 0]
-        at_a, turn_a = placed_pose(world, contact[row, SHAPE_A])
-        at_b, turn_b = placed_pose(world, contact[row, SHAPE_B])
-        at, turn = turned_back(turn_a, minus(at_b, at_a)), product(conjugate(turn_a), turn_b)
+        at, turn = relative_pose(shape_pose(world, contact[row, SHAPE_A]), shape_pose(world, contact[row, SHAPE_B]))
         gap, _ = deepest(floats(world, MANIFOLD), row, contact[row, POINTS], at, turn)
         least = min(least, gap)
     return -least

@@ -10,26 +10,14 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import (
-    Quaternion,
-    Vector,
-    conjugate,
-    dot,
-    length,
-    minus,
-    plus,
-    product,
-    times,
-    turned,
-    turned_back,
-)
+from kickdrift.core.vectors import Quaternion, Vector, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.collision.body_acceleration import closing_acceleration, reach
 from kickdrift.world.collision.broad_phase.search_state import TRIES
 from kickdrift.world.collision.ghost_collisions import drop_ghosts
 from kickdrift.world.collision.narrow_phase.manifolds import deepest, find_manifold, radius, smallest
 from kickdrift.world.collision.narrow_phase.triangle_round import beside_triangle
 from kickdrift.world.collision.predicted_motion import fastest_turn, next_change, path, velocity_then
-from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body
+from kickdrift.world.collision.shape_poses import placed_pose, pose_on_body, relative_pose
 from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -190,17 +178,17 @@ def _placed_at(world: int, shape: int, body: int, when: float) -> tuple[Vector, 
 def _relative(world: int, row: int, when: float) -> tuple[Vector, Quaternion, Quaternion]:
     """Pose of the second shape in the first's frame at a time, and the orientation of that frame."""
     contact = integers(world, CONTACT)
-    at_a, turn_a = _placed_at(world, contact[row, SHAPE_A], contact[row, BODY_A], when)
-    at_b, turn_b = _placed_at(world, contact[row, SHAPE_B], contact[row, BODY_B], when)
-    return turned_back(turn_a, minus(at_b, at_a)), product(conjugate(turn_a), turn_b), turn_a
+    a = _placed_at(world, contact[row, SHAPE_A], contact[row, BODY_A], when)
+    at, turn = relative_pose(a, _placed_at(world, contact[row, SHAPE_B], contact[row, BODY_B], when))
+    return at, turn, a[1]
 
 
 @compiled
 def _bring_back(world: int, row: int, when: float) -> None:
     """Transform the normal found for a time in the step, and the points of round shapes, to the start of the step."""
     contact, manifold = integers(world, CONTACT), floats(world, MANIFOLD)
-    at_a, frame_a = placed_pose(world, contact[row, SHAPE_A])
-    at_b, frame_b = placed_pose(world, contact[row, SHAPE_B])
+    a, b = placed_pose(world, contact[row, SHAPE_A]), placed_pose(world, contact[row, SHAPE_B])
+    frame_a, frame_b = a[1], b[1]
     _, turn, turn_a = _relative(world, row, when)
     then = vector_at(manifold, row, NORMAL)
     along = turned(turn_a, then)
@@ -213,8 +201,8 @@ def _bring_back(world: int, row: int, when: float) -> None:
         _put(manifold, row, p + ON_A, plus(vector_at(manifold, row, p + ON_A), on_a))
         _put(manifold, row, p + ON_B, plus(vector_at(manifold, row, p + ON_B), on_b))
     _put(manifold, row, NORMAL, now)
-    turn = product(conjugate(frame_a), frame_b)
-    _put(manifold, row, FOUND_POSE, turned_back(frame_a, minus(at_b, at_a)))
+    at, turn = relative_pose(a, b)
+    _put(manifold, row, FOUND_POSE, at)
     for k in range(4):
         manifold[row, FOUND_POSE + 3 + k] = turn[k]
 

@@ -6,11 +6,11 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, conjugate, minus, product, turned_back
+from kickdrift.core.vectors import Quaternion, Vector, minus, turned_back
 from kickdrift.world.collision.broad_phase.aabb import box_in_frame, reaches_under
 from kickdrift.world.collision.broad_phase.bvh import Box, gather
 from kickdrift.world.collision.narrow_phase.manifolds import collide
-from kickdrift.world.collision.shape_poses import shape_pose
+from kickdrift.world.collision.shape_poses import relative_pose, shape_pose
 from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import point_at
 from kickdrift.world.layout import BEGIN, FIRST_TREE_NODE, LAST_TREE_NODE, SHAPE_KIND, SIZE
@@ -104,8 +104,7 @@ def _touch(
         kind_a, a, at_a, turn_a, kind_b, b, at_b, turn_b = kind_b, b, at_b, turn_b, kind_a, a, at_a, turn_a
     pose = carray(floats_on_stack(7), (7,))
     manifold = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
-    pose[0], pose[1], pose[2] = turned_back(turn_a, minus(at_b, at_a))
-    pose[3], pose[4], pose[5], pose[6] = product(conjugate(turn_a), turn_b)
+    (pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5], pose[6]) = relative_pose((at_a, turn_a), (at_b, turn_b))
     for k in range(_MANIFOLD):
         manifold[k] = 0.0
     count: int = collide(function, (a, b, pose, 0.0, manifold))
