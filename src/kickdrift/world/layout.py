@@ -121,9 +121,7 @@ LINK_PLACE = column(BODY)  # row of its link + 1; minus that if joints are solve
 LINK_COUNT = column(BODY)
 # Heaps: see `kickdrift.world.direct.unconverged_heaps`
 RESIDUAL_SIZE = column(BODY)  # bits for this step: see `kickdrift.world.contacts.residual`
-UNSOLVED = column(
-    BODY
-)  # number of steps for which the sweeps have left its contacts unsolved; large if it is solved directly
+UNSOLVED = column(BODY)  # number of steps for which the sweeps have left it unsolved; large if solved directly
 IN_HEAP = column(BODY)  # 1 in a heap that is solved directly
 HEAP = column(BODY)  # first body of its heap
 HEAP_SIZE = column(BODY)  # for the first body of a heap: its number of bodies, or bits of `struck_bodies`

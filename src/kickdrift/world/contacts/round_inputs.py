@@ -16,7 +16,6 @@ from kickdrift.world.shapes.closest_points import segments
 from kickdrift.world.shapes.record import CENTRE
 from kickdrift.world.tables import CONTACT, INVERSE_MASS, MOTION, PLACE, POSE, floats, integers
 
-_NONE: Vector = (0.0, 0.0, 0.0)
 # Sine of the angle between two axes below which frictionless capsules touch at two points: with one, a pile of parallel ones
 # that lies between walls would yaw and fall.
 _SIDE_BY_SIDE = 0.02

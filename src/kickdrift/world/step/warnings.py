@@ -3,6 +3,9 @@
 import math
 import warnings
 
+import numpy as np
+from numpy.typing import NDArray
+
 from kickdrift.core.errors import UnsolvedWarning, depth_of_caller
 from kickdrift.world.bodies.registry import Bodies
 from kickdrift.world.direct.substep_estimate import LONG_TURN
@@ -48,13 +51,18 @@ def say(found: int, said: int, tables: Tables, bodies: Bodies) -> None:
             warnings.warn(sentence(tables, bodies), UnsolvedWarning, stacklevel=depth_of_caller())
 
 
+def _finer(row: NDArray[np.float64]) -> str:
+    """Return the advice to use more substeps, or a smaller step."""
+    return f"Use more substeps, such as world.substeps = {2 * int(row[SUBSTEPS])}, or a smaller step than {row[STEP]:.3g} s"
+
+
 def _unsolved(tables: Tables, bodies: Bodies) -> str:
     """Return the message of LEFT_UNSOLVED."""
     row = tables.array(SETTINGS)[0]
     return (
         f"{bodies.words(int(row[UNSOLVED_BODY]))} rests on contacts that the solver has left unsolved since"
-        f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual measures how fast. Use more"
-        f" substeps, such as world.substeps = {2 * int(row[SUBSTEPS])}, or a smaller step than {row[STEP]:.3g} s."
+        f" t={row[UNSOLVED_SINCE]:.3g} s: its heap sinks or creeps, and world.residual measures how fast."
+        f" {_finer(row)}."
     )
 
 
@@ -104,8 +112,8 @@ def _jammed(tables: Tables, bodies: Bodies) -> str:
     row = tables.array(SETTINGS)[0]
     return (
         f"the joints and the contacts of {bodies.words(int(row[JAMMED_BODY]))} and of the bodies joined to it have had no"
-        f" solution together since t={row[JAMMED_SINCE]:.3g} s, so that bodies may sink into each other. Use more substeps,"
-        f" as world.substeps = {2 * int(row[SUBSTEPS])}, a smaller step than {row[STEP]:.3g} s, or masses that differ less."
+        f" solution together since t={row[JAMMED_SINCE]:.3g} s, so that bodies may sink into each other."
+        f" {_finer(row)}, or masses that differ less."
     )
 
 

@@ -1,4 +1,4 @@
-"""Collision filters: by bodies, layers, joints, and pairs that users exclude."""
+"""Which shapes may touch: by bodies, layers, joints and pairs that users exclude; sensors touch without being solid."""
 
 from __future__ import annotations
 

@@ -23,10 +23,11 @@ from kickdrift.world.shapes.frustum import Frustum, deepest, frustum_of, highest
 
 _UP: Vector = (0.0, 0.0, 1.0)
 
-# Points of the rims, in the order in which up to four are chosen: which of `_AROUND`, and 0 for the lower end, 1
-# for the other one. A frustum that may move by its own size in the step may turn onto any part of its rims.
+# Points of the rims, in the order in which up to four are chosen: which of the directions `_AROUND` the axis, from the lowest
+# one, and 0 for the end with the lowest point, 1 for the other one. A frustum that may move by its own size in the step may
+# turn onto any part of its rims.
 _AROUND = ((1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (-1.0, 0.0), (-0.5, math.sqrt(0.75)), (-0.5, -math.sqrt(0.75)))
-_STANDING = ((0, 0), (1, 0), (2, 0), (3, 0), (0, 1), (4, 1), (5, 1))
+_UPRIGHT = ((0, 0), (1, 0), (2, 0), (3, 0), (0, 1), (4, 1), (5, 1))
 _LYING = ((0, 0), (0, 1), (4, 0), (5, 0), (4, 1), (5, 1), (3, 0))
 _TUMBLING = ((0, 0), (3, 0), (1, 1), (2, 1), (0, 1), (1, 0), (2, 0))
 
@@ -67,13 +68,13 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
     tumbles = sine >= STEEP and margin > max(lower, upper, half)
     lowest = 0 if sideways * lower - half * down[2] >= sideways * upper + half * down[2] else 1
     tip = (lower if lowest == 0 else upper) == 0.0
-    order = _LYING if lies or (tumbles and min(lower, upper) == 0.0) else _TUMBLING if tumbles else _STANDING
+    order = _LYING if lies or (tumbles and min(lower, upper) == 0.0) else _TUMBLING if tumbles else _UPRIGHT
     count = 0
     for k, other in order:
         end = 1 - lowest if other else lowest
         radius, z = (lower, -half) if end == 0 else (upper, half)
-        c, s = _AROUND[k]
-        on_b = (radius * (c * x - s * y), radius * (s * x + c * y), z)
+        u, v = _AROUND[k]
+        on_b = (radius * (u * x - v * y), radius * (v * x + u * y), z)
         at = plus(centre, turned(q, on_b))
         if (other and not (lies or tumbles or tip)) or (k > 0 and radius == 0.0) or count == 4:
             continue
