@@ -1,4 +1,6 @@
-"""Sticks and plates that land, and smooth capsules: how much energy they gain, and how much of their spin changes.
+"""Sticks, plates and smooth capsules that land: how much energy they gain, how much of their spin changes.
+
+The same for thin discs and cones without restitution, and how far they sink in.
 
 ``python tests/landings.py --starts 200`` prints it for each restitution and friction, of so many random starts.
 """
@@ -15,6 +17,11 @@ RESTITUTIONS, FRICTIONS = (0.0, 0.5, 0.8, 1.0), (0.0, 0.5)
 GROUNDS = ("plane", "box", "mesh")
 SIZES = (
     (1, 1, 40), (1, 1, 20), (1, 1, 10), (1, 1, 5), (1, 2, 20), (1, 4, 20), (1, 1, 1), (5, 5, 1), (10, 10, 1), (20, 20, 1),
+)  # fmt: skip
+
+DISCS = (
+    ("cylinder", 0.05, 0.01), ("cylinder", 0.3, 0.03), ("cone", 0.1, 0.01), ("cone", 0.2, 0.2), ("cone", 0.3, 0.03),
+    ("cone", 0.3, 0.1),
 )  # fmt: skip
 
 
@@ -60,6 +67,26 @@ def change_of_spin(ground, restitution, rng):
     return axis_of(world, capsule) @ world.angular_velocity[capsule.index] - before
 
 
+def landing_disc(kind, radius, length, friction, rng):
+    """Largest rise of the energy of a disc or a cone, as a part of that at the start, and its greatest depth, m."""
+    world, base = World(), -length / 2 if kind == "cylinder" else -length / 4  # from the centre of mass
+    world.add_plane(friction=friction)
+    motion = {"velocity": 2.0 * rng.normal(size=3), "angular_velocity": 5.0 * rng.normal(size=3)}
+    body = getattr(world, f"add_{kind}")(
+        radius, length, position=(0, 0, 1.2), orientation=rng.normal(size=4), friction=friction, **motion
+    )
+    energy, deepest = [world.energy().total], 0.0
+    for _ in range(90):
+        world.advance(STEP, 1)
+        energy.append(world.energy().total)
+        axis = axis_of(world, body)
+        low, high = base * axis[2], (base + length) * axis[2]
+        rim = radius * np.sqrt(max(1.0 - axis[2] ** 2, 0.0))
+        lowest = min(low - rim, high - rim if kind == "cylinder" else high) + body.position[2]
+        deepest = max(deepest, -lowest)
+    return (energy - np.minimum.accumulate(energy)).max() / energy[0], deepest
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--starts", type=int, default=200)
@@ -79,6 +106,15 @@ def main():
                 f"spin of a smooth capsule on a {ground}, e = {restitution}: changes by {most:.1e} rad/s at most",
                 flush=True,
             )
+    print(
+        "| disc or cone | friction | rises by more than 1 % | rise at most | deepest |\n| --- | --- | --- | --- | --- |"
+    )
+    for kind, radius, length in DISCS:
+        for friction in FRICTIONS:
+            rng = np.random.default_rng(9)
+            rise, depth = np.array([landing_disc(kind, radius, length, friction, rng) for _ in range(starts)]).T
+            counted = f"{np.count_nonzero(rise > 0.01)} of {starts} | {rise.max():.1e} | {depth.max():.1e} m"
+            print(f"| {kind}, {radius} m, {length} m high | {friction} | {counted} |", flush=True)
 
 
 if __name__ == "__main__":
