@@ -67,7 +67,7 @@ COLLIDERS = Table(25, 16, whole=True)  # address of the function for each pair o
 # Trees of joints: see `kickdrift.world.joints.layout`
 ARTICULATION = Table(26, 8, whole=True)
 LINK = Table(46, 11, whole=True)  # a body of an articulation and its joint to the parent, parents first
-LINK_NUMBERS = Table(47, 232)  # no step reads the data of another there
+LINK_NUMBERS = Table(47, 277)  # no step reads the data of another there
 GRAPH = Table(51, 4, whole=True)  # one row
 # The direct solver: see `kickdrift.world.direct.layout`
 CONTACT_ROW = Table(48, 288)  # of contacts that are solved directly

@@ -21,7 +21,7 @@ from kickdrift.world.direct.loop_closures import add_closings, load_closings, pr
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
-from kickdrift.world.joints.limits_motors import refine_laws, update_law_states
+from kickdrift.world.joints.limits_motors import begin_laws, refine_laws, update_law_states
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 # Largest number of solutions with different pieces of laws assumed. With 40, sixteen ragdolls in a heap take 1.7 times as long,
@@ -88,7 +88,7 @@ def solve_island(world: int, island: int, h: float, ahead: float, task: int, afr
         if not settled:
             factor_island(world, island, ahead, touched)
         predict(world, island, touched)
-        whole = search_line(world, island, h, task, trial == 0, touched)
+        whole = search_line(world, island, trial == 0, touched)
     if not found:
         if touched:
             fix_contacts(world, island)
@@ -172,5 +172,7 @@ def review(world: int, island: int, h: float, task: int, first: bool, afresh: bo
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] != 0:
-            settled = update_law_states(world, joint, order[place, 0], h, phase_of(task), first) and settled
+            if first:
+                begin_laws(world, joint, order[place, 0], h, phase_of(task))
+            settled = update_law_states(world, joint, order[place, 0], first) and settled
     return settled

@@ -53,7 +53,7 @@ from kickdrift.world.joints.layout import (
     SEQUENTIAL,
     SLOPE,
 )
-from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, update_law_states
+from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, begin_laws, update_law_states
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (
@@ -130,8 +130,9 @@ def _solve(world: int, joint: int, at: int, h: float, phase: int) -> None:
     active = integers(world, LINK)[at, HELD_AXES] | laws
     responses = carray(floats_on_stack(36), (6, 6))
     _find_responses(world, joint, at, active, responses)
+    begin_laws(world, joint, at, h, phase)
     for trial in range(TRIALS):
-        settled = laws == 0 or update_law_states(world, joint, at, h, phase, trial == 0)
+        settled = laws == 0 or update_law_states(world, joint, at, trial == 0)
         if trial > 0 and settled:
             break
         _solve_axes(world, at, active, responses)

@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.contact_active_set import phase_of
 from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
 from kickdrift.world.direct.direct_bodies import mass_of
@@ -64,9 +63,9 @@ _ROUNDING, _AT_REST = 1e-12, 1e-7
 
 
 @compiled(cached=False, fast=True)
-def search_line(world: int, island: int, h: float, task: int, full: bool, touched: bool) -> bool:
+def search_line(world: int, island: int, full: bool, touched: bool) -> bool:
     """Accept the minimum between the accepted solution and the current one; return whether that is the current one."""
-    share = 1.0 if full else _minimum(world, island, h, task, touched)
+    share = 1.0 if full else _minimum(world, island, touched)
     whole = share == 1.0
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     if touched:
@@ -79,23 +78,23 @@ def search_line(world: int, island: int, h: float, task: int, full: bool, touche
 
 
 @compiled(cached=False, fast=True)
-def _minimum(world: int, island: int, h: float, task: int, touched: bool) -> float:
+def _minimum(world: int, island: int, touched: bool) -> float:
     """Return the fraction of the step at which the slope, which increases, is zero; 1.0 if it is negative to the end.
 
     By the Illinois variant of false position, which halves the slope at an end that is retained (Dowell, Jarratt, BIT 11 (1971)
     168). With bisection, a step of sixteen ragdolls in a heap takes 1.09 times as long.
     """
-    above = _slope(world, island, 1.0, h, task, touched)
+    above = _slope(world, island, 1.0, touched)
     if above <= 0.0:
         return 1.0
-    first = _slope(world, island, 0.0, h, task, touched)
+    first = _slope(world, island, 0.0, touched)
     unnoticed = max(_AT_REST * _AT_REST * mass_of(world, island), _ROUNDING * kinetic_energy(world, island, MOTION))
     if first >= 0.0 or above <= max(-_FLAT * first, unnoticed):
         return 1.0
     low, high, below, side = 0.0, 1.0, first, 0
     for _ in range(_TRIALS):
         middle = (low * above - high * below) / (above - below)
-        slope = _slope(world, island, middle, h, task, touched)
+        slope = _slope(world, island, middle, touched)
         if abs(slope) <= _LEVEL * -first or high - low <= _LEVEL:
             return middle
         if slope > 0.0:
@@ -108,7 +107,7 @@ def _minimum(world: int, island: int, h: float, task: int, touched: bool) -> flo
 
 
 @compiled(cached=False, fast=True)
-def _slope(world: int, island: int, share: float, h: float, task: int, touched: bool) -> float:
+def _slope(world: int, island: int, share: float, touched: bool) -> float:
     """Return the derivative of the convex function along the step, at a fraction `share` of it."""
     own, order, total = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     if touched:
@@ -116,7 +115,7 @@ def _slope(world: int, island: int, share: float, h: float, task: int, touched: 
             total += _slope_of_contact(contact_row(world, order[k, 0]), share)
     joints = integers(world, ISLAND_JOINT)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        total += _slope_of_laws(world, joints[place, 0], share, h, phase_of(task))
+        total += _slope_of_laws(world, joints[place, 0], share)
     return total
 
 
@@ -146,7 +145,7 @@ def _slope_of_contact(rows: Any, share: float) -> float:
 
 
 @compiled(cached=False, fast=True)
-def _slope_of_laws(world: int, link: int, share: float, h: float, phase: int) -> float:
+def _slope_of_laws(world: int, link: int, share: float) -> float:
     """Return the part of the laws of a joint in `_slope`."""
     joint, work, total = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
     laws = integers(world, JOINT)[joint, LAWS]
@@ -155,7 +154,7 @@ def _slope_of_laws(world: int, link: int, share: float, h: float, phase: int) ->
             way = work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
             given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]
             borne = work[link, ACCEPTED_IMPULSE + k] + share * (given - work[link, ACCEPTED_IMPULSE + k])
-            law = law_impulse(world, joint, k, link, h, phase, work[link, ACCEPTED_DELTA_SPEED + k] + share * way)
+            law = law_impulse(world, joint, k, link, work[link, ACCEPTED_DELTA_SPEED + k] + share * way)
             total += way * (borne - law)
     return total
 

@@ -144,12 +144,25 @@ PASSING = column(LINK_NUMBERS, 36)  # of open axis k, six numbers: impulse along
 AXES_AHEAD = column(LINK_NUMBERS, 18)  # AXES and arms as they will be at the end of the substep
 ARM_A_AHEAD = column(LINK_NUMBERS, 3, "m")
 ARM_B_AHEAD = column(LINK_NUMBERS, 3, "m")
-FRICTION_SHARE = column(LINK_NUMBERS, 3)  # parts of the bound of friction that angular axes share; fixed in a solution
 # Of laws: impulse, less the one before the solution, that vertical segments begin with
 LAW_BASE = column(LINK_NUMBERS, 6, "N s, N m s")
 # Of laws, for the solution that was accepted last: change of speed, and the impulse that bodies bear there
 ACCEPTED_DELTA_SPEED = column(LINK_NUMBERS, 6, "m/s, rad/s")
 ACCEPTED_IMPULSE = column(LINK_NUMBERS, 6, "N s, N m s")
+
+# Of the law of each axis in a solution: its least and greatest speed, the greatest impulses of friction, of the motor towards
+# its speed, and of the drive, whose impulse is the constant less the slope times the speed
+_LAW = Fields()
+LEAST_SPEED = _LAW.field()
+GREATEST_SPEED = _LAW.field()
+FRICTION_BOUND = _LAW.field()
+MOTOR_BOUND = _LAW.field()
+MOTOR_TARGET = _LAW.field()
+LAW_CONSTANT = _LAW.field()
+LAW_SLOPE = _LAW.field()
+DRIVE_BOUND = _LAW.field()
+LAW_NUMBERS = _LAW.close()
+LAW = column(LINK_NUMBERS, 6 * LAW_NUMBERS)
 
 # Columns of POSE and MOTION, and of everything that has a linear and an angular part
 _PARTS = Fields()

@@ -18,8 +18,10 @@ Euler, which brings them to rest. Newmark, J. Eng. Mech. Div. 85 (1959) 67; Kane
 """
 
 import math
+from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector, length
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.kinematics import shares_friction
 from kickdrift.world.tables import JOINT, JOINT_AXES, JOINT_NUMBERS, LINK_NUMBERS, floats, integers
@@ -140,94 +142,112 @@ def _begin_drive(world: int, joint: int, k: int, h: float) -> None:
 
 
 @compiled(inline=True, cached=False)
-def _piece(
-    world: int, joint: int, link: int, k: int, h: float, phase: int, speed: float, impulse: float, mobility: float
-) -> tuple[int, bool, float, float]:
-    """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
+def _begin_law(world: int, joint: int, link: int, k: int, h: float, phase: int, friction: float) -> None:
+    """Write the law of an axis for a solution, with this greatest impulse of friction."""
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
-    row = 6 * joint + k
-    at = numbers[joint, j.JOINT_POSITION + k]
-    lower, upper = laws[row, j.LOWER_LIMIT] - at, laws[row, j.UPPER_LIMIT] - at
-    back = h * _RETURN
-    lower, upper = min(lower, back), max(upper, -back)
-    scale = numbers[joint, j.TWIST_SCALE] if k == 5 and joints[joint, j.ANGULAR] == j.SWING_TWIST else 1.0
+    work, law, row = floats(world, LINK_NUMBERS), j.LAW + j.LAW_NUMBERS * k, 6 * joint + k
+    at, back = numbers[joint, j.JOINT_POSITION + k], h * _RETURN
+    lower, upper = min(laws[row, j.LOWER_LIMIT] - at, back), max(laws[row, j.UPPER_LIMIT] - at, -back)
     if phase != BEFORE_DRIFT:  # limits that were passed do not change
         lower, upper = min(lower, 0.0), max(upper, 0.0)
-    lower, upper, free = scale * lower / h, scale * upper / h, speed - mobility * impulse
-    if phase == IN_IMPACT:
-        return solution(free, mobility, lower, upper, 0.0, 0.0, 0.0, 0.0, 0.0, math.inf)
-    constant, slope, maximum = laws[row, j.DRIVE_CONSTANT], laws[row, j.DRIVE_SLOPE], h * laws[row, j.DRIVE_MAXIMUM]
-    return solution(
-        free, mobility, lower, upper,
-        _friction(world, joint, link, k, h), h * laws[row, j.MOTOR_MAXIMUM], laws[row, j.MOTOR_SPEED], constant, slope, maximum,
-    )  # fmt: skip
+    scale = numbers[joint, j.TWIST_SCALE] if k == 5 and joints[joint, j.ANGULAR] == j.SWING_TWIST else 1.0
+    work[link, law + j.LEAST_SPEED], work[link, law + j.GREATEST_SPEED] = scale * lower / h, scale * upper / h
+    acts = phase != IN_IMPACT
+    work[link, law + j.FRICTION_BOUND] = friction if acts else 0.0
+    work[link, law + j.MOTOR_BOUND] = h * laws[row, j.MOTOR_MAXIMUM] if acts else 0.0
+    work[link, law + j.MOTOR_TARGET] = laws[row, j.MOTOR_SPEED]
+    work[link, law + j.LAW_CONSTANT] = laws[row, j.DRIVE_CONSTANT] if acts else 0.0
+    work[link, law + j.LAW_SLOPE] = laws[row, j.DRIVE_SLOPE] if acts else 0.0
+    work[link, law + j.DRIVE_BOUND] = h * laws[row, j.DRIVE_MAXIMUM]
 
 
 @compiled(inline=True, cached=False)
-def _friction(world: int, joint: int, link: int, k: int, h: float) -> float:
-    """Bound the impulse of friction about or along an axis."""
-    most: float = h * floats(world, JOINT_AXES)[6 * joint + k, j.JOINT_FRICTION]
-    return most if k < 3 else most * floats(world, LINK_NUMBERS)[link, j.FRICTION_SHARE + k - 3]
+def _piece(
+    work: Any, link: int, k: int, speed: float, impulse: float, mobility: float
+) -> tuple[int, bool, float, float]:
+    """Find the piece of a law that meets the line of a mobility through a speed and an impulse; see `solution`."""
+    law = j.LAW + j.LAW_NUMBERS * k
+    return solution(
+        speed - mobility * impulse,
+        mobility,
+        work[link, law + j.LEAST_SPEED],
+        work[link, law + j.GREATEST_SPEED],
+        work[link, law + j.FRICTION_BOUND],
+        work[link, law + j.MOTOR_BOUND],
+        work[link, law + j.MOTOR_TARGET],
+        work[link, law + j.LAW_CONSTANT],
+        work[link, law + j.LAW_SLOPE],
+        work[link, law + j.DRIVE_BOUND],
+    )
 
 
 @compiled(cached=False)
-def _share_friction(world: int, joint: int, link: int, h: float) -> None:
+def _friction_shares(world: int, joint: int, link: int, h: float) -> Vector:
     """Share the friction of a ball joint among its axes, as it bounds the size of the torque.
 
     Friction acts along the impulse that would hold the joint, as it is when the solution starts; the squares of the shares add
     up to one. If nothing is to be held yet, they are equal. With shares that follow the solution, laws are not convex: of 30
     bent chains of eight balls that friction can hold 5 fall, since most solutions are not found.
     """
-    work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
-    for k in range(3):
-        work[link, j.FRICTION_SHARE + k] = 1.0
     if not shares_friction(world, joint):
-        return
-    square = 0.0
-    for k in range(3, 6):
-        constant, maximum = laws[6 * joint + k, j.DRIVE_CONSTANT], h * laws[6 * joint + k, j.DRIVE_MAXIMUM]
-        held = numbers[joint, j.JOINT_IMPULSE + k] - work[link, j.AXIS_SPEED + k] / laws[6 * joint + k, j.MOBILITY]
-        wish = held - _drive(0.0, constant, 0.0, maximum)
-        work[link, j.FRICTION_SHARE + k - 3] = abs(wish)
-        square += wish * wish
-    size = math.sqrt(square)
-    for k in range(3):
-        work[link, j.FRICTION_SHARE + k] = (
-            work[link, j.FRICTION_SHARE + k] / size if size > 0.0 else math.sqrt(1.0 / 3.0)
-        )
+        return (1.0, 1.0, 1.0)
+    wish = (
+        _held_torque(world, joint, link, 3, h),
+        _held_torque(world, joint, link, 4, h),
+        _held_torque(world, joint, link, 5, h),
+    )
+    size, equal = length(wish), math.sqrt(1.0 / 3.0)
+    return (wish[0] / size, wish[1] / size, wish[2] / size) if size > 0.0 else (equal, equal, equal)
+
+
+@compiled(inline=True, cached=False)
+def _held_torque(world: int, joint: int, link: int, k: int, h: float) -> float:
+    """Return the size of the impulse of friction that would hold an axis."""
+    work, numbers, laws = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
+    row = 6 * joint + k
+    held = numbers[joint, j.JOINT_IMPULSE + k] - work[link, j.AXIS_SPEED + k] / laws[row, j.MOBILITY]
+    size: float = abs(held - _drive(0.0, laws[row, j.DRIVE_CONSTANT], 0.0, h * laws[row, j.DRIVE_MAXIMUM]))
+    return size
 
 
 @compiled(cached=False)
-def law_impulse(world: int, joint: int, k: int, link: int, h: float, phase: int, moved: float) -> float:
+def law_impulse(world: int, joint: int, k: int, link: int, moved: float) -> float:
     """Return the impulse that a law adds to the one before the solution, where the speed has changed by `moved`."""
     work, before = floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)[joint, j.JOINT_IMPULSE + k]
     mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY] / _RIGID
     speed, base = work[link, j.AXIS_SPEED + k] + moved, work[link, j.LAW_BASE + k]
-    _, held, value, slope = _piece(world, joint, link, k, h, phase, speed, before + base, mobility)
+    _, held, value, slope = _piece(work, link, k, speed, before + base, mobility)
     impulse: float = base + (value - speed) / mobility if held else value - slope * speed - before
     return impulse
 
 
 @compiled(cached=False)
-def update_law_states(world: int, joint: int, link: int, h: float, phase: int, first: bool) -> bool:
-    """Assume the pieces on which the solution lies, and return whether it was found with them."""
-    laws, numbers = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS)
-    work = floats(world, LINK_NUMBERS)
-    if first and phase == BEFORE_DRIFT:
+def begin_laws(world: int, joint: int, link: int, h: float, phase: int) -> None:
+    """Write the laws of a joint for a solution; drives are those computed before the last drift."""
+    laws, axes = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_AXES)
+    if phase == BEFORE_DRIFT:
         for k in range(6):
             if laws >> k & 1:
                 _begin_drive(world, joint, k, h)
-    if first and phase != IN_IMPACT:
-        _share_friction(world, joint, link, h)
-    settled = True
+    shares = _friction_shares(world, joint, link, h)
+    for k in range(6):
+        if laws >> k & 1:
+            share = 1.0 if k < 3 else shares[0] if k == 3 else shares[1] if k == 4 else shares[2]
+            _begin_law(world, joint, link, k, h, phase, h * axes[6 * joint + k, j.JOINT_FRICTION] * share)
+
+
+@compiled(cached=False)
+def update_law_states(world: int, joint: int, link: int, first: bool) -> bool:
+    """Assume the pieces on which the solution lies, and return whether it was found with them."""
+    laws, numbers = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_NUMBERS)
+    work, settled = floats(world, LINK_NUMBERS), True
     for k in range(6):
         if not laws >> k & 1:
             continue
         mobility = floats(world, JOINT_AXES)[6 * joint + k, j.MOBILITY]
         before, rigid, base = work[link, j.AXIS_SPEED + k], mobility / _RIGID, work[link, j.LAW_BASE + k]
         speed, impulse = before + work[link, j.ACCEPTED_DELTA_SPEED + k], numbers[joint, j.JOINT_IMPULSE + k] + base
-        line = mobility if first else rigid
-        code, held, value, slope = _piece(world, joint, link, k, h, phase, speed, impulse, line)
+        code, held, value, slope = _piece(work, link, k, speed, impulse, mobility if first else rigid)
         settled = settled and code == work[link, j.LAW_STATE + k]
         work[link, j.LAW_STATE + k] = code
         work[link, j.SLOPE + k] = 1.0 / rigid if held else slope
