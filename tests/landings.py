@@ -1,6 +1,7 @@
 """Sticks, plates and smooth capsules that land: how much energy they gain, how much of their spin changes.
 
-The same for thin discs and cones without restitution, and how far they sink in.
+The same for thin discs and cones: how far above that at the start, and above what they had lost before, their energy rises, and
+how far they sink in.
 
 ``python tests/landings.py --starts 200`` prints it for each restitution and friction, of so many random starts.
 """
@@ -67,13 +68,17 @@ def change_of_spin(ground, restitution, rng):
     return axis_of(world, capsule) @ world.angular_velocity[capsule.index] - before
 
 
-def landing_disc(kind, radius, length, friction, rng):
-    """Largest rise of the energy of a disc or a cone, as a part of that at the start, and its greatest depth, m."""
+def landing_disc(kind, radius, length, restitution, friction, rng):
+    """Largest rise of the energy of a disc or a cone above its start, and above its minimum before, and its greatest depth, m.
+
+    The first two are parts of the energy at the start.
+    """
+    surface = {"restitution": restitution, "friction": friction}
     world, base = World(), -length / 2 if kind == "cylinder" else -length / 4  # from the centre of mass
-    world.add_plane(friction=friction)
+    world.add_plane(**surface)
     motion = {"velocity": 2.0 * rng.normal(size=3), "angular_velocity": 5.0 * rng.normal(size=3)}
     body = getattr(world, f"add_{kind}")(
-        radius, length, position=(0, 0, 1.2), orientation=rng.normal(size=4), friction=friction, **motion
+        radius, length, position=(0, 0, 1.2), orientation=rng.normal(size=4), **surface, **motion
     )
     energy, deepest = [world.energy().total], 0.0
     for _ in range(90):
@@ -84,7 +89,7 @@ def landing_disc(kind, radius, length, friction, rng):
         rim = radius * np.sqrt(max(1.0 - axis[2] ** 2, 0.0))
         lowest = min(low - rim, high - rim if kind == "cylinder" else high) + body.position[2]
         deepest = max(deepest, -lowest)
-    return (energy - np.minimum.accumulate(energy)).max() / energy[0], deepest
+    return max(energy) / energy[0] - 1.0, (energy - np.minimum.accumulate(energy)).max() / energy[0], deepest
 
 
 def main():
@@ -107,14 +112,20 @@ def main():
                 flush=True,
             )
     print(
-        "| disc or cone | friction | rises by more than 1 % | rise at most | deepest |\n| --- | --- | --- | --- | --- |"
+        "| disc or cone | restitution | friction | above its start | > 1 % above an earlier value | at most | deepest |"
     )
+    print("| --- | --- | --- | --- | --- | --- | --- |")
     for kind, radius, length in DISCS:
-        for friction in FRICTIONS:
-            rng = np.random.default_rng(9)
-            rise, depth = np.array([landing_disc(kind, radius, length, friction, rng) for _ in range(starts)]).T
-            counted = f"{np.count_nonzero(rise > 0.01)} of {starts} | {rise.max():.1e} | {depth.max():.1e} m"
-            print(f"| {kind}, {radius} m, {length} m high | {friction} | {counted} |", flush=True)
+        for restitution in RESTITUTIONS:
+            for friction in FRICTIONS:
+                rng = np.random.default_rng(9)
+                found = [landing_disc(kind, radius, length, restitution, friction, rng) for _ in range(starts)]
+                above, rise, depth = np.array(found).T
+                counted = f"{np.count_nonzero(rise > 0.01)} of {starts} | {rise.max():.1e} | {depth.max():.1e} m"
+                print(
+                    f"| {kind}, {radius} m, {length} m high | {restitution} | {friction} | {above.max():.1e} | {counted} |",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":
