@@ -41,6 +41,7 @@ from kickdrift.world.direct.layout import (
 )
 from kickdrift.world.direct.loop_closures import has_loops
 from kickdrift.world.direct.matrix import block_of
+from kickdrift.world.joints.kinematics import put_vector
 from kickdrift.world.joints.layout import (
     ARM_A,
     ARM_A_AHEAD,
@@ -122,6 +123,17 @@ def _hand_up(world: int, row: int, neighbour: int, parent: int, other: Vector, o
     add_block(table, target, back, move_velocities(block_at(blocks, row, LOWER_BLOCK), other_ahead))
 
 
+@compiled(inline=True, cached=False, fast=True)
+def _columns_along(work: Any, link: int, at: int, axis: Vector) -> Vector:
+    """Return the product of three columns of three rows of the inertia with an axis, in registers."""
+    first = ARTICULATED_INERTIA + at
+    return (
+        dot(axis, vector_at(work, link, first)),
+        dot(axis, vector_at(work, link, first + 6)),
+        dot(axis, vector_at(work, link, first + 12)),
+    )
+
+
 @compiled(cached=False, fast=True)
 def _eliminate_axis(world: int, node: int, link: int, joint: int, k: int, begin: int, end: int) -> None:
     """Eliminate an open axis of a joint from the inertia of the bodies attached to it, and from its coupling to neighbours."""
@@ -131,15 +143,17 @@ def _eliminate_axis(world: int, node: int, link: int, joint: int, k: int, begin:
     row, column = PASSING + 6 * k, COUPLING + 6 * k
     along = rows_along(work, link, ARTICULATED_INERTIA + 6 * half, axis)
     put_spatial(work, link, row, along)
-    for i in range(6):
-        work[link, column + i] = dot(ahead, vector_at(work, link, ARTICULATED_INERTIA + 6 * i + half))
-    stiff = dot(ahead, vector_at(work, link, row + half)) + work[link, SLOPE + k]
+    push, turn = _columns_along(work, link, half, ahead), _columns_along(work, link, 18 + half, ahead)
+    put_vector(work, link, column, push)
+    put_vector(work, link, column + 3, turn)
+    stiff = dot(axis, push if k < 3 else turn) + work[link, SLOPE + k]
     # Below zero where a loop passes a dead point: its impulses of the start then act against its velocities of the end.
     island = integers(world, NODE)[node, NODE_ISLAND]
     give = 1.0 / stiff if stiff > 0.0 or (stiff < 0.0 and has_loops(world, island)) else 0.0
     work[link, YIELD + k] = give
-    for i in range(6):
-        add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * work[link, column + i], along)
+    for i in range(3):
+        add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, -give * push[i], along)
+        add_scaled(work, link, ARTICULATED_INERTIA + 18 + 6 * i, -give * turn[i], along)
     if begin == end:
         return
     for block in range(begin, end):
