@@ -34,7 +34,7 @@ from kickdrift.world.contacts.prepare_simd import (
     VELOCITY_B,
     fill,
 )
-from kickdrift.world.contacts.simd_vectors import NEXT, W, impulses, put, turn, vector
+from kickdrift.world.contacts.simd_vectors import NEXT, W, cross, dot, impulses, minus, plus, put, times, turn, vector
 from kickdrift.world.contacts.turned_normals_simd import turn_normals
 
 _ARRAY = types.Array(types.float64, 1, "C")
@@ -50,18 +50,17 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     It is the sum of the changes of impulses, the normal velocity and both angular velocities, and 1.0 if a point has landed.
     """
     rate, soft_mass, soft_impulse, per_h, bound, closed, bounces, lands, sum_mass = spring
-    tx, ty, tz, ex, ey, ez = arms
-    total, v, wax, way, waz, wbx, wby, wbz, landed = state
-    ax, ay, az = vector(own, c.ARM, i)
+    (tilted, between), (total, v, turn_a, turn_b, landed) = arms, state
+    arm_a = vector(own, c.ARM, i)
     impulse = own[i + c.IMPULSE * W]
-    gap = own[i + c.GAP * W] + opened + (ax * tx + ay * ty + az * tz)
-    bx, by, bz = ax - ex, ay - ey, az - ez
+    gap = own[i + c.GAP * W] + opened + dot(arm_a, tilted)
+    arm_b = minus(arm_a, between)
     # Without branches, which would prevent vectorisation: separated points are rigid, and their bias is gap / h.
     apart = 1.0 if gap > 0.0 else 0.0
     bias = max(gap, 0.0) * per_h + soft_mass * rate * min(gap, 0.0)
     scale = soft_mass + apart * (1.0 - soft_mass)
     leak = (1.0 - apart) * soft_impulse
-    speed = v + (bx * wbx + by * wby + bz * wbz) - (ax * wax + ay * way + az * waz)
+    speed = v + dot(arm_b, turn_b) - dot(arm_a, turn_a)
     mass = own[i + c.POINT_MASS * W]
     rounding = 1e-9 * mass * abs(speed)
     # Bounds the speed of separation. A bound on the bias would turn deep overlaps into springs whose force does not depend on
@@ -75,19 +74,9 @@ def _solve_point(own: Any, s: Any, lane: int, i: int, opened: float, arms: Any, 
     d = min(new - impulse, 0.0 if idle else 1e300)
     landed = max(landed, 1.0 if (gap > 0.0) & (impulse <= 0.0) & (d > 0.0) & (speed < lands) else 0.0)
     own[i + c.IMPULSE * W] = impulse + d
-    cx, cy, cz = turn(s, INERTIA_A, lane, ax, ay, az)
-    ex, ey, ez = turn(s, INERTIA_B, lane, bx, by, bz)
-    return (
-        total + d,
-        v + sum_mass * d,
-        wax - d * cx,
-        way - d * cy,
-        waz - d * cz,
-        wbx + d * ex,
-        wby + d * ey,
-        wbz + d * ez,
-        landed,
-    )
+    turn_a = minus(turn_a, times(d, turn(s, INERTIA_A, lane, arm_a)))
+    turn_b = plus(turn_b, times(d, turn(s, INERTIA_B, lane, arm_b)))
+    return total + d, v + sum_mass * d, turn_a, turn_b, landed
 
 
 @compiled(fast=True)
@@ -99,28 +88,21 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, bound: float, n: 
     """
     closed = 1e300 if soft > 0.0 else -bound
     for lane in range(n):
-        nx, ny, nz = vector(own, c.N, lane)
+        normal = vector(own, c.N, lane)
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
         rate = soft * own[c.BIAS_RATE * W + lane]
         soft_mass = 1.0 + soft * (own[c.SOFT_MASS * W + lane] - 1.0)
         soft_impulse = soft * own[c.SOFT_IMPULSE * W + lane]
-        vax, vay, vaz = vector(s, VELOCITY_A, lane)
-        wax, way, waz = vector(s, VELOCITY_A + 3, lane)
-        vbx, vby, vbz = vector(s, VELOCITY_B, lane)
-        wbx, wby, wbz = vector(s, VELOCITY_B + 3, lane)
-        dax, day, daz = vector(s, DELTA_POSE_A, lane)
-        tax, tay, taz = vector(s, DELTA_POSE_A + 3, lane)
-        dbx, dby, dbz = vector(s, DELTA_POSE_B, lane)
-        tbx, tby, tbz = vector(s, DELTA_POSE_B + 3, lane)
+        velocity_a, turn_a = vector(s, VELOCITY_A, lane), vector(s, VELOCITY_A + 3, lane)
+        velocity_b, turn_b = vector(s, VELOCITY_B, lane), vector(s, VELOCITY_B + 3, lane)
+        way_a, tilt_a = vector(s, DELTA_POSE_A, lane), vector(s, DELTA_POSE_A + 3, lane)
+        way_b, tilt_b = vector(s, DELTA_POSE_B, lane), vector(s, DELTA_POSE_B + 3, lane)
         # The arm of b is that of a less the vector between the bodies, times the normal.
-        dx, dy, dz = vector(own, c.BETWEEN, lane)
-        ex, ey, ez = dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx
-        dx, dy, dz = dbx - dax, dby - day, dbz - daz
-        opened = nx * dx + ny * dy + nz * dz - (ex * tbx + ey * tby + ez * tbz)
-        arms = (tbx - tax, tby - tay, tbz - taz, ex, ey, ez)
-        v = nx * (vbx - vax) + ny * (vby - vay) + nz * (vbz - vaz)
+        between = cross(vector(own, c.BETWEEN, lane), normal)
+        opened = dot(normal, minus(way_b, way_a)) - dot(between, tilt_b)
+        arms = (minus(tilt_b, tilt_a), between)
         landed = 0.0 if soft > 0.0 else own[c.LANDED * W + lane]
-        state = (0.0, v, wax, way, waz, wbx, wby, wbz, landed)
+        state = (0.0, dot(normal, minus(velocity_b, velocity_a)), turn_a, turn_b, landed)
         bounces, lands = -own[c.BOUNCE_THRESHOLD * W + lane], -own[c.LANDING_SPEED * W + lane]
         spring = (rate, soft_mass, soft_impulse, per_h, bound, closed, bounces, lands, mass_a + mass_b)
         # Indices are sums of constants and the lane: others might be negative to the compiler, and prevent vectorisation.
@@ -129,13 +111,12 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, bound: float, n: 
         state = _solve_point(own, s, lane, i + NEXT, opened, arms, spring, state)
         state = _solve_point(own, s, lane, i + 2 * NEXT, opened, arms, spring, state)
         state = _solve_point(own, s, lane, i + 3 * NEXT, opened, arms, spring, state)
-        total, v, wax, way, waz, wbx, wby, wbz, landed = state
+        total, _, turn_a, turn_b, landed = state
         own[c.LANDED * W + lane] = landed
-        a, b = total * mass_a, total * mass_b
-        put(s, VELOCITY_A, lane, vax - a * nx, vay - a * ny, vaz - a * nz)
-        put(s, VELOCITY_A + 3, lane, wax, way, waz)
-        put(s, VELOCITY_B, lane, vbx + b * nx, vby + b * ny, vbz + b * nz)
-        put(s, VELOCITY_B + 3, lane, wbx, wby, wbz)
+        put(s, VELOCITY_A, lane, minus(velocity_a, times(total * mass_a, normal)))
+        put(s, VELOCITY_A + 3, lane, turn_a)
+        put(s, VELOCITY_B, lane, plus(velocity_b, times(total * mass_b, normal)))
+        put(s, VELOCITY_B + 3, lane, turn_b)
 
 
 @compiled(fast=True)
@@ -146,57 +127,39 @@ def apply_impulses(own: Any, s: Any, per_h: float, soft: float, bound: float, n:
     gain up to 2 % of their energy.
     """
     for lane in range(n):
-        nx, ny, nz = vector(own, c.N, lane)
-        ux, uy, uz = vector(own, c.T, lane)
-        mx, my, mz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
+        normal, first = vector(own, c.N, lane), vector(own, c.T, lane)
         n0, n1, n2, n3 = impulses(own, lane)
-        normal = n0 + n1 + n2 + n3
+        pressed = n0 + n1 + n2 + n3
         keep = 1.0 - own[c.LANDED * W + lane]
         d1, d2 = keep * own[c.TANGENT_IMPULSE * W + lane], keep * own[(c.TANGENT_IMPULSE + 1) * W + lane]
         own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane] = d1, d2
-        px, py, pz = d1 * ux + d2 * mx, d1 * uy + d2 * my, d1 * uz + d2 * mz
-        ax, ay, az = vector(own, c.CENTRE, lane)
-        ex, ey, ez = vector(own, c.BETWEEN, lane)
-        bx, by, bz = ax - ex, ay - ey, az - ez
-        tx, ty, tz = vector(own, c.ROLL_IMPULSE, lane)
+        push = plus(times(d1, first), times(d2, cross(normal, first)))
+        arm_a, between = vector(own, c.CENTRE, lane), vector(own, c.BETWEEN, lane)
+        torque = vector(own, c.ROLL_IMPULSE, lane)
         twist = keep * own[c.TWISTING_IMPULSE * W + lane]
         own[c.TWISTING_IMPULSE * W + lane] = twist
-        tx, ty, tz = tx + twist * nx, ty + twist * ny, tz + twist * nz
-        lax, lay, laz = ay * pz - az * py + tx, az * px - ax * pz + ty, ax * py - ay * px + tz
-        lbx, lby, lbz = by * pz - bz * py + tx, bz * px - bx * pz + ty, bx * py - by * px + tz
+        torque = plus(torque, times(twist, normal))
+        torque_a = plus(cross(arm_a, push), torque)
+        torque_b = plus(cross(minus(arm_a, between), push), torque)
         i = (c.P + c.ARM) * W + lane
-        gx, gy, gz = vector(own, 0, i)
-        gx, gy, gz = n0 * gx, n0 * gy, n0 * gz
-        qx, qy, qz = vector(own, 0, i + NEXT)
-        gx, gy, gz = gx + n1 * qx, gy + n1 * qy, gz + n1 * qz
-        qx, qy, qz = vector(own, 0, i + 2 * NEXT)
-        gx, gy, gz = gx + n2 * qx, gy + n2 * qy, gz + n2 * qz
-        qx, qy, qz = vector(own, 0, i + 3 * NEXT)
-        gx, gy, gz = gx + n3 * qx, gy + n3 * qy, gz + n3 * qz
-        lax, lay, laz = lax + gx, lay + gy, laz + gz
-        ex, ey, ez = normal * ex, normal * ey, normal * ez
-        lbx, lby, lbz = lbx + gx - (ey * nz - ez * ny), lby + gy - (ez * nx - ex * nz), lbz + gz - (ex * ny - ey * nx)
-        px, py, pz = px + normal * nx, py + normal * ny, pz + normal * nz
+        of_points = plus(times(n0, vector(own, 0, i)), times(n1, vector(own, 0, i + NEXT)))
+        of_points = plus(of_points, times(n2, vector(own, 0, i + 2 * NEXT)))
+        of_points = plus(of_points, times(n3, vector(own, 0, i + 3 * NEXT)))
+        torque_a = plus(torque_a, of_points)
+        torque_b = minus(plus(torque_b, of_points), cross(times(pressed, between), normal))
+        push = plus(push, times(pressed, normal))
         mass_a, mass_b = own[c.MASS_A * W + lane], own[c.MASS_B * W + lane]
-        vx, vy, vz = vector(s, VELOCITY_A, lane)
-        put(s, VELOCITY_A, lane, vx - mass_a * px, vy - mass_a * py, vz - mass_a * pz)
-        vx, vy, vz = vector(s, VELOCITY_B, lane)
-        put(s, VELOCITY_B, lane, vx + mass_b * px, vy + mass_b * py, vz + mass_b * pz)
-        wx, wy, wz = vector(s, VELOCITY_A + 3, lane)
-        cx, cy, cz = turn(s, INERTIA_A, lane, lax, lay, laz)
-        put(s, VELOCITY_A + 3, lane, wx - cx, wy - cy, wz - cz)
-        wx, wy, wz = vector(s, VELOCITY_B + 3, lane)
-        cx, cy, cz = turn(s, INERTIA_B, lane, lbx, lby, lbz)
-        put(s, VELOCITY_B + 3, lane, wx + cx, wy + cy, wz + cz)
+        put(s, VELOCITY_A, lane, minus(vector(s, VELOCITY_A, lane), times(mass_a, push)))
+        put(s, VELOCITY_B, lane, plus(vector(s, VELOCITY_B, lane), times(mass_b, push)))
+        put(s, VELOCITY_A + 3, lane, minus(vector(s, VELOCITY_A + 3, lane), turn(s, INERTIA_A, lane, torque_a)))
+        put(s, VELOCITY_B + 3, lane, plus(vector(s, VELOCITY_B + 3, lane), turn(s, INERTIA_B, lane, torque_b)))
 
 
 @compiled(fast=True, inline=True)
-def _point_speed(own: Any, i: int, v: float, turning: Any, between: Any) -> float:
+def _point_speed(own: Any, i: int, v: float, turn_a: Any, turn_b: Any, between: Any) -> float:
     """Return the normal speed of a point whose fields begin at i; 0.0 if it carries no impulse."""
-    wax, way, waz, wbx, wby, wbz = turning
-    ex, ey, ez = between
-    ax, ay, az = vector(own, c.ARM, i)
-    speed = v + (ax - ex) * wbx + (ay - ey) * wby + (az - ez) * wbz - (ax * wax + ay * way + az * waz)
+    arm = vector(own, c.ARM, i)
+    speed = v + dot(minus(arm, between), turn_b) - dot(arm, turn_a)
     return abs(speed) if own[i + c.IMPULSE * W] > 0.0 else 0.0
 
 
@@ -204,18 +167,15 @@ def _point_speed(own: Any, i: int, v: float, turning: Any, between: Any) -> floa
 def measure_normals(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
     """Write into MARK of each lane the largest normal speed of points that carry an impulse, m/s."""
     for lane in range(n):
-        nx, ny, nz = vector(own, c.N, lane)
-        ax, ay, az = vector(s, VELOCITY_A, lane)
-        bx, by, bz = vector(s, VELOCITY_B, lane)
-        v = nx * (bx - ax) + ny * (by - ay) + nz * (bz - az)
-        turning = vector(s, VELOCITY_A + 3, lane) + vector(s, VELOCITY_B + 3, lane)
-        dx, dy, dz = vector(own, c.BETWEEN, lane)
-        between = (dy * nz - dz * ny, dz * nx - dx * nz, dx * ny - dy * nx)
+        normal = vector(own, c.N, lane)
+        v = dot(normal, minus(vector(s, VELOCITY_B, lane), vector(s, VELOCITY_A, lane)))
+        turn_a, turn_b = vector(s, VELOCITY_A + 3, lane), vector(s, VELOCITY_B + 3, lane)
+        between = cross(vector(own, c.BETWEEN, lane), normal)
         i = c.P * W + lane
-        most = _point_speed(own, i, v, turning, between)
-        most = max(most, _point_speed(own, i + NEXT, v, turning, between))
-        most = max(most, _point_speed(own, i + 2 * NEXT, v, turning, between))
-        s[MARK * W + lane] = max(most, _point_speed(own, i + 3 * NEXT, v, turning, between))
+        most = _point_speed(own, i, v, turn_a, turn_b, between)
+        most = max(most, _point_speed(own, i + NEXT, v, turn_a, turn_b, between))
+        most = max(most, _point_speed(own, i + 2 * NEXT, v, turn_a, turn_b, between))
+        s[MARK * W + lane] = max(most, _point_speed(own, i + 3 * NEXT, v, turn_a, turn_b, between))
 
 
 # By columns of the table `KERNEL_ADDRESSES`, which holds their addresses

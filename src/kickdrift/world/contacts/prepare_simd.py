@@ -9,9 +9,10 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.core.vectors import Vector
 from kickdrift.world.columns import Fields
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.simd_vectors import NEXT, W, put, vector
+from kickdrift.world.contacts.simd_vectors import NEXT, W, cross, dot, minus, plus, put, times, turn, vector
 
 # Fields of raw
 _RAW = Fields()
@@ -64,37 +65,33 @@ _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 
 @compiled(fast=True, inline=True)
-def turned(array: Any, i: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return a vector rotated by the quaternion that begins at i."""
+def turned(array: Any, field: int, lane: int, a: Vector) -> Vector:
+    """Return a vector rotated by the quaternion in a field."""
+    i, (x, y, z) = field * W + lane, a
     w, u, v, t = array[i], array[i + W], array[i + 2 * W], array[i + 3 * W]
     p, q, r = 2.0 * (v * z - t * y), 2.0 * (t * x - u * z), 2.0 * (u * y - v * x)
     return x + w * p + v * r - t * q, y + w * q + t * p - u * r, z + w * r + u * q - v * p
 
 
 @compiled(fast=True, inline=True)
-def response_to(array: Any, i: int, x: float, y: float, z: float, p: float, q: float, r: float) -> float:
-    """Return (p, q, r) . M (x, y, z) for the symmetric matrix M that begins at i."""
-    product: float = (
-        p * (array[i] * x + array[i + 3 * W] * y + array[i + 4 * W] * z)
-        + q * (array[i + 3 * W] * x + array[i + W] * y + array[i + 5 * W] * z)
-        + r * (array[i + 4 * W] * x + array[i + 5 * W] * y + array[i + 2 * W] * z)
-    )
-    return product
+def response_to(array: Any, field: int, lane: int, a: Vector, b: Vector) -> float:
+    """Return b . M a for the symmetric matrix M in a field."""
+    response: float = dot(b, turn(array, field, lane, a))
+    return response
 
 
 @compiled(fast=True, inline=True)
-def bend_of(array: Any, i: int, n: Any, x: float, y: float, z: float) -> float:
-    """Return the centripetal acceleration along n of a point at (x, y, z), with the angular velocity that begins at i."""
-    nx, ny, nz = n
-    p, q, r = array[i], array[i + W], array[i + 2 * W]
-    along = (nx * p + ny * q + nz * r) * (p * x + q * y + r * z)
-    bend: float = along - (p * p + q * q + r * r) * (nx * x + ny * y + nz * z)
+def bend_of(array: Any, field: int, lane: int, n: Vector, arm: Vector) -> float:
+    """Return the centripetal acceleration along n of a point with an arm, with the angular velocity in a field."""
+    w = vector(array, field, lane)
+    along = dot(n, w) * dot(w, arm)
+    bend: float = along - dot(w, w) * dot(n, arm)
     return bend
 
 
 @compiled(fast=True, inline=True)
-def away(array: Any, i: int, n: Any, x: float, y: float, z: float) -> Any:
-    """Return the direction of radii about the axis (x, y, z), which rotates with the angular velocity that begins at i.
+def away(array: Any, field: int, lane: int, n: Vector, axis: Vector) -> tuple[Vector, float, float]:
+    """Return the direction of radii about an axis, which rotates with the angular velocity in a field.
 
     Returns
     -------
@@ -105,15 +102,13 @@ def away(array: Any, i: int, n: Any, x: float, y: float, z: float) -> Any:
     bend : float
         The second derivative of this component, 1/s^2.
     """
-    nx, ny, nz = n
-    along = nx * x + ny * y + nz * z
-    p, q, r = array[i], array[i + W], array[i + 2 * W]
-    slope = nx * (q * z - r * y) + ny * (r * x - p * z) + nz * (p * y - q * x)
-    bend = bend_of(array, i, n, x, y, z)
-    x, y, z = nx - along * x, ny - along * y, nz - along * z
-    rise = math.sqrt(x * x + y * y + z * z + 1e-300)
+    along = dot(n, axis)
+    slope = dot(n, cross(vector(array, field, lane), axis))
+    bend = bend_of(array, field, lane, n, axis)
+    out = minus(n, times(along, axis))
+    rise = math.sqrt(dot(out, out) + 1e-300)
     scale = 1.0 / rise
-    return (x * scale, y * scale, z * scale), rise, -(slope * slope * scale * scale + along * bend) * scale
+    return times(scale, out), rise, -(slope * slope * scale * scale + along * bend) * scale
 
 
 @compiled(fast=True, inline=True)
@@ -122,21 +117,15 @@ def _fill_point(own: Any, raw: Any, lane: int, j: int, i: int, at: int, h: float
 
     Sweeps assume that the speed of a gap is constant within the substep h; the gap includes the second-order term of rotation.
     """
-    nx, ny, nz = vector(raw, NORMAL, lane)
-    ox, oy, oz = vector(raw, ARM_A, lane)
-    x, y, z = vector(raw, 0, j)
-    x, y, z = turned(raw, TURN_A * W + lane, x, y, z)
-    ax, ay, az = x + ox, y + oy, z + oz
-    put(own, 0, at, ax, ay, az)
-    ox, oy, oz = vector(raw, ARM_B, lane)
-    x, y, z = vector(raw, 3, j)
-    x, y, z = turned(raw, TURN_B * W + lane, x, y, z)
-    bx, by, bz = x + ox, y + oy, z + oz
-    put(own, 3, at, bx, by, bz)
-    dx, dy, dz = vector(raw, APART, lane)
-    gap = nx * (bx + dx - ax) + ny * (by + dy - ay) + nz * (bz + dz - az)
-    n = (nx, ny, nz)
-    bend = bend_of(raw, TURNING_B * W + lane, n, bx, by, bz) - bend_of(raw, TURNING_A * W + lane, n, ax, ay, az)
+    n = vector(raw, NORMAL, lane)
+    arm_a = vector(raw, ARM_A, lane)
+    on_a = plus(turned(raw, TURN_A, lane, vector(raw, 0, j)), arm_a)
+    put(own, 0, at, on_a)
+    arm_b = vector(raw, ARM_B, lane)
+    on_b = plus(turned(raw, TURN_B, lane, vector(raw, 3, j)), arm_b)
+    put(own, 3, at, on_b)
+    gap = dot(n, minus(plus(on_b, vector(raw, APART, lane)), on_a))
+    bend = bend_of(raw, TURNING_B, lane, n, on_b) - bend_of(raw, TURNING_A, lane, n, on_a)
     (_, rise_a, bend_a), (_, rise_b, bend_b) = round_a, round_b
     radius_a, radius_b = raw[j + c.RADII * W], raw[j + (c.RADII + 1) * W]
     own[at + c.RADII * W], own[at + (c.RADII + 1) * W] = radius_a, radius_b
@@ -150,14 +139,13 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
     for lane in range(count):
         i, j, at = c.P * W + lane, ON_A * W + lane, _ANCHORS + lane
         n = vector(raw, NORMAL, lane)
-        x, y, z = vector(raw, AXIS_A, lane)
-        put(own, c.AXES, lane, x, y, z)
-        round_a = away(raw, TURNING_A * W + lane, n, x, y, z)
-        x, y, z = vector(raw, AXIS_B, lane)
-        put(own, c.AXES + 3, lane, x, y, z)
-        u, v, w = vector(raw, SPIN_AXIS, lane)
-        put(own, c.SPIN_AXIS, lane, u, v, w)
-        round_b = away(raw, TURNING_B * W + lane, n, x, y, z)
+        axis = vector(raw, AXIS_A, lane)
+        put(own, c.AXES, lane, axis)
+        round_a = away(raw, TURNING_A, lane, n, axis)
+        axis = vector(raw, AXIS_B, lane)
+        put(own, c.AXES + 3, lane, axis)
+        put(own, c.SPIN_AXIS, lane, vector(raw, SPIN_AXIS, lane))
+        round_b = away(raw, TURNING_B, lane, n, axis)
         _fill_point(own, raw, lane, j, i, at, h, round_a, round_b)
         _fill_point(own, raw, lane, j + _ANCHOR, i + NEXT, at + _ANCHOR, h, round_a, round_b)
         _fill_point(own, raw, lane, j + 2 * _ANCHOR, i + 2 * NEXT, at + 2 * _ANCHOR, h, round_a, round_b)
@@ -171,31 +159,23 @@ def fill(own: Any, raw: Any, h: float, unused: float, none: float, count: int) -
         own[c.REFRESHED * W + lane], own[c.BOUNCE_THRESHOLD * W + lane] = 0.0, 1e300
         own[c.LANDED * W + lane], own[c.LANDING_SPEED * W + lane] = 0.0, raw[LANDING * W + lane]
         own[c.MASS_A * W + lane], own[c.MASS_B * W + lane] = raw[MASS_A * W + lane], raw[MASS_B * W + lane]
-        x, y, z = vector(raw, SOFTNESS, lane)
-        put(own, c.BIAS_RATE, lane, x, y, z)
-        nx, ny, nz = vector(raw, NORMAL, lane)
-        put(own, c.N, lane, nx, ny, nz)
+        put(own, c.BIAS_RATE, lane, vector(raw, SOFTNESS, lane))
+        n = vector(raw, NORMAL, lane)
+        put(own, c.N, lane, n)
         # A tangent perpendicular to the normal, and to z unless the normal is close to it.
-        low = 1.0 if abs(nz) < 0.7 else 0.0
-        ux, uy, uz = -low * ny, low * nx - (1.0 - low) * nz, (1.0 - low) * ny
-        scale = 1.0 / math.sqrt(ux * ux + uy * uy + uz * uz + 1e-300)
-        ux, uy, uz = ux * scale, uy * scale, uz * scale
-        put(own, c.T, lane, ux, uy, uz)
-        vx, vy, vz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
+        low = 1.0 if abs(n[2]) < 0.7 else 0.0
+        first = (-low * n[1], low * n[0] - (1.0 - low) * n[2], (1.0 - low) * n[1])
+        first = times(1.0 / math.sqrt(dot(first, first) + 1e-300), first)
+        put(own, c.T, lane, first)
+        second = cross(n, first)
         own[c.FRICTION * W + lane] = raw[FRICTION * W + lane]
-        x, y, z = vector(raw, SURFACE_SLIP, lane)
-        own[c.SURFACE_SPEED * W + lane], own[(c.SURFACE_SPEED + 1) * W + lane] = (
-            ux * x + uy * y + uz * z,
-            vx * x + vy * y + vz * z,
-        )
-        x, y, z = vector(raw, FRICTION_IMPULSE, lane)
+        slip = vector(raw, SURFACE_SLIP, lane)
+        own[c.SURFACE_SPEED * W + lane], own[(c.SURFACE_SPEED + 1) * W + lane] = dot(first, slip), dot(second, slip)
+        rubbed = vector(raw, FRICTION_IMPULSE, lane)
         own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane] = (
-            ux * x + uy * y + uz * z,
-            vx * x + vy * y + vz * z,
+            dot(first, rubbed),
+            dot(second, rubbed),
         )
-        own[c.TWISTING_IMPULSE * W + lane], own[c.ROLL_RESISTANCE * W + lane] = (
-            raw[TWISTED * W + lane],
-            raw[RESISTANCE * W + lane],
-        )
-        x, y, z = vector(raw, ROLLED, lane)
-        put(own, c.ROLL_IMPULSE, lane, x, y, z)
+        own[c.TWISTING_IMPULSE * W + lane] = raw[TWISTED * W + lane]
+        own[c.ROLL_RESISTANCE * W + lane] = raw[RESISTANCE * W + lane]
+        put(own, c.ROLL_IMPULSE, lane, vector(raw, ROLLED, lane))
