@@ -10,18 +10,10 @@ from kickdrift.core.vectors import conjugate, exponential, product, times
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.body_gather_simd import gather, gather_inertia
-from kickdrift.world.contacts.contact_solver_simd import run_kernel
+from kickdrift.world.contacts.constraint_groups import group_of, lane_count, new_scratch, run
 from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.impacts.impact_motion import is_moved, way_to
-from kickdrift.world.contacts.prepare_simd import (
-    DELTA_POSE_A,
-    FROM_A_TO_B,
-    MARK,
-    SCRATCH_SIZE,
-    TURNED_A,
-    TURNED_B,
-    VELOCITY_A,
-)
+from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, FROM_A_TO_B, MARK, TURNED_A, TURNED_B, VELOCITY_A
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     IMPACT_TIME,
@@ -35,15 +27,11 @@ from kickdrift.world.tables import (
     BOUNCING,
     DELTA_POSE,
     GROUPS,
-    INVERSE_MASS,
-    KERNEL_ADDRESSES,
     KICKED,
-    LANES,
     MOTION,
     POSE,
     SETTINGS,
     STARTED_POSE,
-    flat,
     floats,
     integers,
     rows,
@@ -79,7 +67,7 @@ def refresh_hit(t: float, h: float, world: int) -> None:
 def _is_hit(world: int, g: int) -> bool:
     """Whether a body of a group has been hit in the substep."""
     groups, kicked, hit = integers(world, GROUPS), floats(world, KICKED), False
-    for lane in range(integers(world, KERNEL_ADDRESSES)[0, c.LANE_COUNT]):
+    for lane in range(lane_count(world)):
         hit = hit or kicked[groups[g, c.BODIES_A + lane], IMPACT_TIME] > 0.0
         hit = hit or kicked[groups[g, c.BODIES_B + lane], IMPACT_TIME] > 0.0
     return hit
@@ -87,19 +75,16 @@ def _is_hit(world: int, g: int) -> bool:
 
 @compiled
 def _refresh_hit_group(world: int, h: float, g: int) -> None:
-    scratch, gaps = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), carray(floats_on_stack(_GAPS), (_GAPS,))
-    n, own = (
-        integers(world, KERNEL_ADDRESSES)[0, c.LANE_COUNT],
-        flat(world, LANES)[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE],
-    )
+    own, scratch, gaps = group_of(world, g), new_scratch(), carray(floats_on_stack(_GAPS), (_GAPS,))
+    n = lane_count(world)
     gather_for_arms(world, g, scratch)
-    find_stale(world, own, scratch, n)
-    _put_poses(world, g, scratch, n)
+    find_stale(world, own, scratch)
+    _put_poses(world, g, scratch)
     for lane in range(n):
         _move_to_impact(world, h, g, lane, scratch)
         for k in range(4):
             gaps[4 * lane + k] = own[(c.P + c.POINT_FIELDS * k + c.GAP) * _W + lane]
-    _refresh(world, h, own, scratch, n)
+    _refresh(world, h, own, scratch)
     for lane in range(n):
         for k in range(4):
             if gaps[4 * lane + k] == _FAR:
@@ -136,33 +121,32 @@ def gather_for_arms(world: int, g: int, scratch: Any) -> None:
     """Copy what is needed of the bodies of every lane to recompute its arms."""
     gather(world, g, floats(world, MOTION), VELOCITY_A, scratch)
     gather(world, g, floats(world, DELTA_POSE), DELTA_POSE_A, scratch)
-    gather_inertia(world, g, floats(world, INVERSE_MASS), scratch)
+    gather_inertia(world, g, scratch)
 
 
 @compiled
-def find_stale(world: int, own: Any, scratch: Any, n: int) -> None:
+def find_stale(world: int, own: Any, scratch: Any) -> None:
     """Mark the lanes of a group whose bodies have turned, slid or approached since their arms were computed."""
-    kernels = integers(world, KERNEL_ADDRESSES)
-    run_kernel(kernels[0, c.FIND_STALE], (own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0, n))
+    run(world, c.FIND_STALE, own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0)
 
 
 @compiled
-def refresh_marked(world: int, h: float, g: int, own: Any, scratch: Any, n: int) -> None:
+def refresh_marked(world: int, h: float, g: int, own: Any, scratch: Any) -> None:
     """Recompute the arms of the marked lanes of a group."""
     marked = 0.0
-    for lane in range(n):
+    for lane in range(lane_count(world)):
         marked += scratch[MARK * _W + lane]
     if marked == 0.0:
         return
-    _put_poses(world, g, scratch, n)
-    _refresh(world, h, own, scratch, n)
+    _put_poses(world, g, scratch)
+    _refresh(world, h, own, scratch)
 
 
 @compiled
-def _put_poses(world: int, g: int, scratch: Any, n: int) -> None:
+def _put_poses(world: int, g: int, scratch: Any) -> None:
     """Put the rotations of the bodies of a group since the step began into scratch, and the ways between their centres."""
     pose, started, groups = floats(world, POSE), floats(world, STARTED_POSE), integers(world, GROUPS)
-    for lane in range(n):
+    for lane in range(lane_count(world)):
         a, b = groups[g, c.BODIES_A + lane], groups[g, c.BODIES_B + lane]
         _gather_turn(pose, started, a, scratch[TURNED_A * _W + lane :])
         _gather_turn(pose, started, b, scratch[TURNED_B * _W + lane :])
@@ -171,14 +155,14 @@ def _put_poses(world: int, g: int, scratch: Any, n: int) -> None:
 
 
 @compiled(inline=True)
-def _refresh(world: int, h: float, own: Any, scratch: Any, n: int) -> None:
-    kernels, turns = integers(world, KERNEL_ADDRESSES), 0.0
-    for lane in range(n):
+def _refresh(world: int, h: float, own: Any, scratch: Any) -> None:
+    turns = 0.0
+    for lane in range(lane_count(world)):
         turns += own[c.TURNS * _W + lane]
     if turns > 0.0:
-        run_kernel(kernels[0, c.TURN_NORMALS], (own, scratch, 0.0, 0.0, 0.0, n))
-    run_kernel(kernels[0, c.REFRESH], (own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0, n))
-    run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 1.0, 0.0, n))
+        run(world, c.TURN_NORMALS, own, scratch, 0.0, 0.0, 0.0)
+    run(world, c.REFRESH, own, scratch, floats(world, SETTINGS)[0, SLOP], h, 0.0)
+    run(world, c.REFRESH_FRICTION, own, scratch, 0.0, 1.0, 0.0)
 
 
 @compiled(inline=True)

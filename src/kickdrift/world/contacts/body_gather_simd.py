@@ -44,9 +44,9 @@ def gather(world: int, g: int, table: Any, field: int, scratch: Any) -> None:
 
 
 @compiled(inline=True)
-def gather_inertia(world: int, g: int, inverse_mass: Any, scratch: Any) -> None:
+def gather_inertia(world: int, g: int, scratch: Any) -> None:
     """Copy the inverse inertias of both bodies of every lane."""
-    bodies = flat_integers(world, GROUPS)
+    bodies, inverse_mass = flat_integers(world, GROUPS), floats(world, INVERSE_MASS)
     gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, INERTIA_A)
     gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, INERTIA_B)
 

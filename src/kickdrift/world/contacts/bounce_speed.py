@@ -5,7 +5,7 @@ from kickdrift.core.vectors import cross, dot, length, minus
 from kickdrift.world.collision.body_acceleration import RESTING_SUBSTEPS, acceleration, angular_acceleration
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import constraint, vector_of
+from kickdrift.world.contacts.constraint_groups import constraint, vector_of
 from kickdrift.world.material_mixing import mixed_restitution
 from kickdrift.world.settings import BOUNCE_SPEED, GRAVITY, SLOP
 from kickdrift.world.tables import CONTACT, SETTINGS, floats, integers

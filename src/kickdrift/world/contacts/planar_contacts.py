@@ -12,6 +12,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
+from kickdrift.world.contacts.constraint_groups import vector_of
 
 _W = c.WIDTH
 _WITHIN = 1e-9  # component of a normal across the plane, below which it is rounding
@@ -25,7 +26,7 @@ _ROLLS = 1e-6  # sine of the angle between the axis of a cylinder or cone and p,
 @compiled
 def flatten_contact(raw: Any, plane: Vector) -> None:
     """Transform the gathered data of a contact to the plane with this normal."""
-    normal = _vector(raw, r.NORMAL)
+    normal = vector_of(raw, r.NORMAL)
     across = dot(plane, normal)
     if abs(across) <= _WITHIN:
         return
@@ -58,11 +59,6 @@ def flatten_contact(raw: Any, plane: Vector) -> None:
 
 
 @compiled(inline=True)
-def _vector(raw: Any, field: int) -> Vector:
-    return (raw[field * _W], raw[(field + 1) * _W], raw[(field + 2) * _W])
-
-
-@compiled(inline=True)
 def _put(raw: Any, field: int, vector: Vector) -> None:
     raw[field * _W], raw[(field + 1) * _W], raw[(field + 2) * _W] = vector
 
@@ -75,13 +71,13 @@ def _turn(raw: Any, field: int) -> Any:
 @compiled
 def _move(raw: Any, turn: int, point: int, way: Vector) -> None:
     """Move a point, which is given in the frame of its shape, by a way in the world's axes."""
-    _put(raw, point, plus(_vector(raw, point), turned_back(_turn(raw, turn), way)))
+    _put(raw, point, plus(vector_of(raw, point), turned_back(_turn(raw, turn), way)))
 
 
 @compiled
 def _keep_from_rolling(raw: Any, axis: int, turn: int, points: int, side: int, out: Vector, plane: Vector) -> None:
     """Fix in the body the points of a shape whose axis is not along p: in the plane it does not turn about it."""
-    along = _vector(raw, axis)
+    along = vector_of(raw, axis)
     off = minus(along, times(dot(plane, along), plane))
     if dot(along, along) == 0.0 or dot(off, off) <= _ROLLS**2:
         return
@@ -98,9 +94,9 @@ def _keep_from_rolling(raw: Any, axis: int, turn: int, points: int, side: int, o
 def _apart(raw: Any, k: int) -> Vector:
     """From the first point to the second; of round shapes from core to core."""
     at = c.ANCHOR_SIZE * k
-    a = plus(turned(_turn(raw, r.TURN_A), _vector(raw, r.ON_A + at)), _vector(raw, r.ARM_A))
-    b = plus(turned(_turn(raw, r.TURN_B), _vector(raw, r.ON_B + at)), _vector(raw, r.ARM_B))
-    return minus(plus(b, _vector(raw, r.APART)), a)
+    a = plus(turned(_turn(raw, r.TURN_A), vector_of(raw, r.ON_A + at)), vector_of(raw, r.ARM_A))
+    b = plus(turned(_turn(raw, r.TURN_B), vector_of(raw, r.ON_B + at)), vector_of(raw, r.ARM_B))
+    return minus(plus(b, vector_of(raw, r.APART)), a)
 
 
 @compiled
@@ -113,8 +109,8 @@ def _flatten_point(raw: Any, k: int, plane: Vector, flat: Vector, cosine: float,
     """
     at = c.ANCHOR_SIZE * k
     radii = (r.RADII + at) * _W
-    radius_a = raw[radii] if dot(_vector(raw, r.AXIS_A), _vector(raw, r.AXIS_A)) == 0.0 else 0.0
-    radius_b = raw[radii + _W] if dot(_vector(raw, r.AXIS_B), _vector(raw, r.AXIS_B)) == 0.0 else 0.0
+    radius_a = raw[radii] if dot(vector_of(raw, r.AXIS_A), vector_of(raw, r.AXIS_A)) == 0.0 else 0.0
+    radius_b = raw[radii + _W] if dot(vector_of(raw, r.AXIS_B), vector_of(raw, r.AXIS_B)) == 0.0 else 0.0
     deep = dot(plane, _apart(raw, k))
     if radius_a > 0.0 and radius_b > 0.0:
         sine = deep / (radius_a + radius_b)

@@ -8,47 +8,29 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
+from kickdrift.world.contacts.constraint_groups import group_of, lane_count, new_scratch, run
 from kickdrift.world.contacts.constraint_inputs import gather
-from kickdrift.world.contacts.contact_solver_simd import run_kernel
 from kickdrift.world.contacts.graph_colouring import LINKED
 from kickdrift.world.contacts.simd_transpose import fetch_rows
 from kickdrift.world.contacts.softness import softness
 from kickdrift.world.settings import SLOP, STEP, SUBSTEPS
-from kickdrift.world.tables import (
-    COLOURS,
-    GROUPS,
-    KERNEL_ADDRESSES,
-    LANES,
-    MANIFOLD,
-    SETTINGS,
-    flat,
-    flat_integers,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import COLOURS, GROUPS, MANIFOLD, SETTINGS, flat_integers, floats, integers, rows
 
 _MANY = 250  # groups, above which manifolds do not fit into a megabyte
-_RAW, _SCRATCH = r.RAW * c.WIDTH, r.SCRATCH_SIZE
+_RAW = r.RAW * c.WIDTH
 
 
 @compiled
 def prepare(t: float, h: float, world: int) -> None:
     """Fill the groups with constraints."""
-    colours, groups, lanes = integers(world, COLOURS), integers(world, GROUPS), flat(world, LANES)
+    colours, groups, settings = integers(world, COLOURS), integers(world, GROUPS), floats(world, SETTINGS)
     first, after = colours[0, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]
-    raw, kernels, settings = (
-        carray(floats_on_stack(_RAW), (_RAW,)),
-        integers(world, KERNEL_ADDRESSES),
-        floats(world, SETTINGS),
-    )
-    slop = settings[0, SLOP]
-    substep = settings[0, STEP] / settings[0, SUBSTEPS]
-    scratch = carray(floats_on_stack(_SCRATCH), (_SCRATCH,))
+    slop, substep = settings[0, SLOP], settings[0, STEP] / settings[0, SUBSTEPS]
+    raw, scratch = carray(floats_on_stack(_RAW), (_RAW,)), new_scratch()
     soft, softer = softness(world, True), softness(world, False)
-    for k in range(_SCRATCH):
+    for k in range(r.SCRATCH_SIZE):
         scratch[k] = 0.0
-    numbers, many, n = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY, kernels[0, c.LANE_COUNT]
+    numbers, many, n = flat_integers(world, GROUPS), rows(world, GROUPS) > _MANY, lane_count(world)
     for g in range(first, after):
         if many and g + 1 < after:
             for k in range(0, MANIFOLD.width, 8):  # one cache line each
@@ -63,22 +45,20 @@ def prepare(t: float, h: float, world: int) -> None:
                 raw[k * c.WIDTH + lane] = 0.0
             for k in range(r.INERTIA_A, r.MARK):
                 scratch[k * c.WIDTH + lane] = 0.0
-        own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
-        run_kernel(kernels[0, c.FILL], (own, raw, substep, 0.0, 0.0, n))
+        own = group_of(world, g)
+        run(world, c.FILL, own, raw, substep, 0.0, 0.0)
         for lane in range(n):
             if raw[r.TURNS * c.WIDTH + lane] > 0.0:
                 _write_cores(own[lane:], raw[lane:])
-        run_kernel(kernels[0, c.REFRESH], (own, scratch, slop, 0.0, 0.0, n))
-        run_kernel(kernels[0, c.REFRESH_FRICTION], (own, scratch, 0.0, 0.0, 0.0, n))
+        run(world, c.REFRESH, own, scratch, slop, 0.0, 0.0)
+        run(world, c.REFRESH_FRICTION, own, scratch, 0.0, 0.0, 0.0)
 
 
 @compiled(inline=True)
 def _write_cores(own: Any, raw: Any) -> None:
     """Write the middles and half axes of the cores of a constraint with a normal that turns."""
     for k in range(3):
-        own[(c.CORE_A + k) * c.WIDTH], own[(c.CORE_B + k) * c.WIDTH] = (
-            raw[(r.ARM_A + k) * c.WIDTH],
-            raw[(r.ARM_B + k) * c.WIDTH],
-        )
+        own[(c.CORE_A + k) * c.WIDTH] = raw[(r.ARM_A + k) * c.WIDTH]
+        own[(c.CORE_B + k) * c.WIDTH] = raw[(r.ARM_B + k) * c.WIDTH]
         own[(c.CORE_A + 3 + k) * c.WIDTH] = raw[(r.HALF_A + k) * c.WIDTH]
         own[(c.CORE_B + 3 + k) * c.WIDTH] = raw[(r.HALF_B + k) * c.WIDTH]

@@ -1,32 +1,17 @@
 """The residual of the sweeps: the normal speed of loaded points after a step."""
 
-from numba import carray
-
 from kickdrift.core.compilation import compiled
-from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
 from kickdrift.world.collision.body_acceleration import weight_per_mass
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.contact_solver_simd import run_kernel
+from kickdrift.world.contacts.body_gather_simd import gather
+from kickdrift.world.contacts.constraint_groups import group_of, lane_count, new_scratch, run
 from kickdrift.world.contacts.graph_colouring import LINKED
-from kickdrift.world.contacts.prepare_simd import MARK, SCRATCH_SIZE, VELOCITY_A, VELOCITY_B
-from kickdrift.world.contacts.simd_transpose import gather_rows
+from kickdrift.world.contacts.prepare_simd import MARK, VELOCITY_A
 from kickdrift.world.layout import RESIDUAL_SIZE
 from kickdrift.world.settings import GRAVITY, RESIDUAL, SLOP
-from kickdrift.world.tables import (
-    BODY,
-    COLOURS,
-    GROUPS,
-    KERNEL_ADDRESSES,
-    LANES,
-    MOTION,
-    SETTINGS,
-    flat,
-    flat_integers,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import BODY, COLOURS, GROUPS, MOTION, SETTINGS, floats, integers
 
 _W = c.WIDTH
 
@@ -44,16 +29,13 @@ NOTED_RESIDUAL, FAR_RESIDUAL, TOUCHES = 1, 2, 4
 def measure_residual(t: float, h: float, world: int) -> None:
     """Measure the residual, and mark bodies with a large one, and those with contacts that are solved directly."""
     groups, colours, body = integers(world, GROUPS), integers(world, COLOURS), integers(world, BODY)
-    lanes, kernels, bodies = flat(world, LANES), integers(world, KERNEL_ADDRESSES), flat_integers(world, GROUPS)
-    scratch, motion = carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)), floats(world, MOTION)
-    most, n = floats(world, SETTINGS)[0, RESIDUAL], kernels[0, c.LANE_COUNT]
+    scratch, motion, most = new_scratch(), floats(world, MOTION), floats(world, SETTINGS)[0, RESIDUAL]
     least = _NOTED * h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY))
     weightless = _NOTED * _SUNK * floats(world, SETTINGS)[0, SLOP] / h
     for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.FIRST_GROUP]):
-        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, VELOCITY_A)
-        gather_rows(motion, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, VELOCITY_B)
-        run_kernel(kernels[0, c.MEASURE], (lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE], scratch, 0.0, 0.0, 0.0, n))
-        for lane in range(n):
+        gather(world, g, motion, VELOCITY_A, scratch)
+        run(world, c.MEASURE, group_of(world, g), scratch, 0.0, 0.0, 0.0)
+        for lane in range(lane_count(world)):
             left = scratch[MARK * _W + lane]
             most = max(most, left)
             if left > least:

@@ -7,32 +7,18 @@ without this bias. Before the latter, arms are recomputed where bodies have move
 
 from collections.abc import Callable
 
-from numba import carray, prange
+from numba import prange
 
 from kickdrift.core.compilation import compiled, specialise, unbound
-from kickdrift.core.memory import floats_on_stack
+from kickdrift.core.vectors import cross, plus, times
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.arm_refresh import find_stale, gather_for_arms, refresh_marked
 from kickdrift.world.contacts.body_gather_simd import add_changes, fetch, gather, gather_inertia, scatter
-from kickdrift.world.contacts.contact_solver_simd import run_kernel
+from kickdrift.world.contacts.constraint_groups import constraint, group_of, new_scratch, run, vector_of
 from kickdrift.world.contacts.graph_colouring import LINKED, OVERFLOW, is_linked
-from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, SCRATCH_SIZE, VELOCITY_A
+from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, VELOCITY_A
 from kickdrift.world.settings import PUSH_SPEED, SLOP
-from kickdrift.world.tables import (
-    COLOURS,
-    CONTACT,
-    DELTA_POSE,
-    GROUPS,
-    INVERSE_MASS,
-    KERNEL_ADDRESSES,
-    LANES,
-    MANIFOLD,
-    MOTION,
-    SETTINGS,
-    flat,
-    floats,
-    integers,
-)
+from kickdrift.world.tables import COLOURS, CONTACT, DELTA_POSE, GROUPS, MANIFOLD, MOTION, SETTINGS, floats, integers
 
 _W = c.WIDTH
 
@@ -62,12 +48,8 @@ def _sweep(t: float, h: float, world: int) -> None:
 @compiled
 def _warm_start_group(world: int, h: float, g: int) -> None:
     """Apply the accumulated impulses of a group."""
-    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    lanes, scratch, kernels = (
-        flat(world, LANES),
-        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
-        integers(world, KERNEL_ADDRESSES),
-    )
+    motion = floats(world, MOTION)
+    own, scratch = group_of(world, g), new_scratch()
     fetch(world, g)
     linked = is_linked(world, g)
     if linked:
@@ -75,9 +57,8 @@ def _warm_start_group(world: int, h: float, g: int) -> None:
             scratch[VELOCITY_A * _W + k] = 0.0
     else:
         gather(world, g, motion, VELOCITY_A, scratch)
-    gather_inertia(world, g, inverse_mass, scratch)
-    own, n = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE], kernels[0, c.LANE_COUNT]
-    run_kernel(kernels[0, c.APPLY_IMPULSES], (own, scratch, 1.0 / h, 1.0, 0.0, n))
+    gather_inertia(world, g, scratch)
+    run(world, c.APPLY_IMPULSES, own, scratch, 1.0 / h, 1.0, 0.0)
     if linked:
         add_changes(world, g, motion, scratch)
     else:
@@ -87,19 +68,14 @@ def _warm_start_group(world: int, h: float, g: int) -> None:
 @compiled
 def _solve_group(world: int, h: float, g: int) -> None:
     """Do the soft sweep over the normals of a group."""
-    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    lanes, scratch, kernels = (
-        flat(world, LANES),
-        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
-        integers(world, KERNEL_ADDRESSES),
-    )
+    motion = floats(world, MOTION)
+    own, scratch = group_of(world, g), new_scratch()
     fetch(world, g)
-    delta_pose, push, n = floats(world, DELTA_POSE), floats(world, SETTINGS)[0, PUSH_SPEED], kernels[0, c.LANE_COUNT]
+    push = floats(world, SETTINGS)[0, PUSH_SPEED]
     gather(world, g, motion, VELOCITY_A, scratch)
-    gather(world, g, delta_pose, DELTA_POSE_A, scratch)
-    gather_inertia(world, g, inverse_mass, scratch)
-    own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
-    run_kernel(kernels[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 1.0, push, n))
+    gather(world, g, floats(world, DELTA_POSE), DELTA_POSE_A, scratch)
+    gather_inertia(world, g, scratch)
+    run(world, c.SOLVE_NORMALS, own, scratch, 1.0 / h, 1.0, push)
     scatter(world, g, motion, scratch)
 
 
@@ -107,22 +83,16 @@ def _solve_group(world: int, h: float, g: int) -> None:
 def _relax_group(world: int, h: float, g: int) -> None:
     """Recompute stale arms of a group, and do the rigid sweep over its friction and normals."""
     motion = floats(world, MOTION)
-    lanes, scratch, kernels = (
-        flat(world, LANES),
-        carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,)),
-        integers(world, KERNEL_ADDRESSES),
-    )
-    n = kernels[0, c.LANE_COUNT]
+    own, scratch = group_of(world, g), new_scratch()
     fetch(world, g)
     gather_for_arms(world, g, scratch)
-    own = lanes[g * c.GROUP_SIZE : (g + 1) * c.GROUP_SIZE]
-    find_stale(world, own, scratch, n)
-    refresh_marked(world, h, g, own, scratch, n)
+    find_stale(world, own, scratch)
+    refresh_marked(world, h, g, own, scratch)
     if is_linked(world, g):  # the direct solver finds its impulses
         return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
-    run_kernel(kernels[0, c.SOLVE_FRICTION], (own, scratch, 1.0 / h, 0.0, 0.0, n))
-    run_kernel(kernels[0, c.SOLVE_NORMALS], (own, scratch, 1.0 / h, 0.0, least, n))
+    run(world, c.SOLVE_FRICTION, own, scratch, 1.0 / h, 0.0, 0.0)
+    run(world, c.SOLVE_NORMALS, own, scratch, 1.0 / h, 0.0, least)
     scatter(world, g, motion, scratch)
 
 
@@ -146,23 +116,22 @@ THREADED = {
 @compiled
 def store(t: float, h: float, world: int) -> None:
     """Store the impulses in the manifolds, for warm starting the next step."""
-    groups, lanes, manifold = integers(world, GROUPS), flat(world, LANES), floats(world, MANIFOLD)
+    groups, manifold = integers(world, GROUPS), floats(world, MANIFOLD)
     contact, colours = integers(world, CONTACT), integers(world, COLOURS)
     for g in range(colours[0, c.FIRST_GROUP], colours[LINKED, c.AFTER_GROUP]):
         for lane in range(_W):
             row = groups[g, c.GROUP_CONTACTS + lane]
             if row < 0:
                 continue
-            own = lanes[g * c.GROUP_SIZE + lane : (g + 1) * c.GROUP_SIZE]
+            own = constraint(world, row)
             for k in range(contact[row, c.POINTS]):
                 impulse = own[(c.P + c.POINT_FIELDS * k + c.IMPULSE) * _W]
                 manifold[row, c.NORMAL_IMPULSE + k] = impulse
-            n = (own[c.N * _W], own[(c.N + 1) * _W], own[(c.N + 2) * _W])
-            u = (own[c.T * _W], own[(c.T + 1) * _W], own[(c.T + 2) * _W])
+            first = vector_of(own, c.T)
             d1, d2 = own[c.TANGENT_IMPULSE * _W], own[(c.TANGENT_IMPULSE + 1) * _W]
-            manifold[row, c.FRICTION_IMPULSE] = d1 * u[0] + d2 * (n[1] * u[2] - n[2] * u[1])
-            manifold[row, c.FRICTION_IMPULSE + 1] = d1 * u[1] + d2 * (n[2] * u[0] - n[0] * u[2])
-            manifold[row, c.FRICTION_IMPULSE + 2] = d1 * u[2] + d2 * (n[0] * u[1] - n[1] * u[0])
+            friction = plus(times(d1, first), times(d2, cross(vector_of(own, c.N), first)))
+            for k in range(3):
+                manifold[row, c.FRICTION_IMPULSE + k] = friction[k]
             manifold[row, c.TWIST_IMPULSE] = own[c.TWISTING_IMPULSE * _W]
             contact[row, c.CONTACT_STATE] &= ~(c.MOVING | c.JUST_LANDED)
             if own[c.REFRESHED * _W] > 0.0:

@@ -7,33 +7,27 @@ from kickdrift.core.spatial import inner, spatial_of
 from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import symmetric_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.constraint_groups import vector_of
 from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST
 from kickdrift.world.joints.kinematics import turning
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, floats
 
-_W = c.WIDTH
-
-
-@compiled(inline=True, cached=False, fast=True)
-def _vector(own: Any, field: int) -> Vector:
-    return own[field * _W], own[(field + 1) * _W], own[(field + 2) * _W]
-
 
 @compiled(cached=False, fast=True)
 def write_wrench(own: Any, k: int, wrench: Any) -> None:
     """Write the wrench of a unit impulse along row k, (12,)."""
-    n, u = _vector(own, c.N), _vector(own, c.T)
+    n, u = vector_of(own, c.N), vector_of(own, c.T)
     push: Vector = (0.0, 0.0, 0.0)
     turn_a, turn_b = n, n
     if k < TANGENT:
         push = n
-        turn_a = _vector(own, c.P + c.POINT_FIELDS * k + c.ARM)
-        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), n))
+        turn_a = vector_of(own, c.P + c.POINT_FIELDS * k + c.ARM)
+        turn_b = minus(turn_a, cross(vector_of(own, c.BETWEEN), n))
     elif k < TWIST:
         push = u if k == TANGENT else cross(n, u)
-        turn_a = cross(_vector(own, c.CENTRE), push)
-        turn_b = minus(turn_a, cross(_vector(own, c.BETWEEN), push))
+        turn_a = cross(vector_of(own, c.CENTRE), push)
+        turn_b = minus(turn_a, cross(vector_of(own, c.BETWEEN), push))
     elif k >= ROLL:
         turn_a = (1.0 if k == ROLL else 0.0, 1.0 if k == ROLL + 1 else 0.0, 1.0 if k == ROLL + 2 else 0.0)
         turn_b = turn_a

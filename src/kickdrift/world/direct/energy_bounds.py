@@ -9,7 +9,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import length, minus
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import vector_of
+from kickdrift.world.contacts.constraint_groups import vector_of
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint
 from kickdrift.world.direct.direct_bodies import is_across, mass_of, node_of
 from kickdrift.world.direct.island_velocities import energy_of

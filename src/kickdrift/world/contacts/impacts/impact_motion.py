@@ -4,8 +4,6 @@ They fly there as by the stages `kick` and `drift`: by the midpoint rule, and ro
 impact they are moved back to the pose from which their new velocities lead through it, for the drift that follows.
 """
 
-from typing import Any
-
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import (
     Quaternion,
@@ -25,7 +23,6 @@ from kickdrift.core.vectors import (
 )
 from kickdrift.world.collision.predicted_motion import note_position
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
-from kickdrift.world.contacts import layout as c
 from kickdrift.world.free_rotation import mean_turn
 from kickdrift.world.layout import (
     ADDED,
@@ -49,38 +46,20 @@ from kickdrift.world.layout import (
 )
 from kickdrift.world.settings import MIDPOINT
 from kickdrift.world.tables import (
-    CONTACT,
     DELTA_POSE,
     INERTIA,
     INVERSE_MASS,
     KICKED,
-    LANES,
     MOTION,
     POSE,
     SETTINGS,
     STARTED_POSE,
-    flat,
     floats,
-    integers,
 )
 
 # Position, orientation, velocity, angular velocity, angular acceleration, and the rotation vector since the substep began
 Flight = tuple[Vector, Quaternion, Vector, Vector, Vector, Vector]
 Place = tuple[Vector, Quaternion]  # position, and the rotation since the step began
-
-
-@compiled(inline=True)
-def constraint(world: int, row: int) -> Any:
-    """Return the fields of a contact's lane."""
-    place = integers(world, CONTACT)[row, c.PLACE_IN_GROUPS]
-    begin = place // c.WIDTH * c.GROUP_SIZE + place % c.WIDTH
-    return flat(world, LANES)[begin : begin + c.GROUP_SIZE - c.WIDTH + 1]
-
-
-@compiled(inline=True)
-def vector_of(own: Any, field: int) -> Vector:
-    """Return three fields of a constraint as a vector; `own` begins at its lane."""
-    return (own[field * c.WIDTH], own[(field + 1) * c.WIDTH], own[(field + 2) * c.WIDTH])
 
 
 @compiled(inline=True)

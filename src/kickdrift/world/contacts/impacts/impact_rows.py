@@ -6,7 +6,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
 from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import constraint, vector_of
+from kickdrift.world.contacts.constraint_groups import constraint, vector_of
 from kickdrift.world.contacts.impacts.moved_contacts import (
     meeting_arms,
     meets_at_one_point,

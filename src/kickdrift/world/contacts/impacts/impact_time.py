@@ -13,7 +13,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import Flight, Place, flown, place_of, vector_of
+from kickdrift.world.contacts.constraint_groups import vector_of
+from kickdrift.world.contacts.impacts.impact_motion import Flight, Place, flown, place_of
 from kickdrift.world.contacts.impacts.moved_contacts import arms_between, normal_between
 from kickdrift.world.layout import ADDED, ANGULAR_VELOCITY, VELOCITY
 from kickdrift.world.settings import MIDPOINT

@@ -7,7 +7,8 @@ half as long.
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import constraint, is_moved
+from kickdrift.world.contacts.constraint_groups import constraint
+from kickdrift.world.contacts.impacts.impact_motion import is_moved
 from kickdrift.world.layout import LAST_ROUND, LAST_SWEEP
 from kickdrift.world.tables import BOUNCING, CONTACT, KICKED, floats, integers, rows
 

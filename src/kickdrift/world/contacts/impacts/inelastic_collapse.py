@@ -4,7 +4,8 @@ import math
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import constraint, is_moved
+from kickdrift.world.contacts.constraint_groups import constraint
+from kickdrift.world.contacts.impacts.impact_motion import is_moved
 from kickdrift.world.contacts.impacts.impact_rows import BOUNCE, LISTED, ROW, SPEED, TIME, TIMES, bodies_of
 from kickdrift.world.contacts.impacts.impact_worklist import BOUNCING_CONTACT, IN_ROUND
 from kickdrift.world.layout import GROUP, LAST_ROUND, NEXT_IMPACT

@@ -13,7 +13,8 @@ from kickdrift.core.vectors import Vector, cross, dot, exponential, length, minu
 from kickdrift.world.collision.shape_poses import pose_on_body
 from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.impacts.impact_motion import Place, is_moved, place_of, vector_of
+from kickdrift.world.contacts.constraint_groups import vector_of
+from kickdrift.world.contacts.impacts.impact_motion import Place, is_moved, place_of
 from kickdrift.world.contacts.round_cores import are_parallel, half_axis
 from kickdrift.world.layout import ANGULAR_VELOCITY, BODY_ROW, ORIENTATION, POSITION, VELOCITY
 from kickdrift.world.settings import PLANE_NORMAL

@@ -12,8 +12,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, plus, times
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.constraint_groups import constraint, vector_of
 from kickdrift.world.contacts.graph_colouring import LINKED
-from kickdrift.world.contacts.impacts.impact_motion import constraint, vector_of
 from kickdrift.world.layout import ADDED, INVERSE_LINEAR_MASS, KICKED_VELOCITY, VELOCITY
 from kickdrift.world.tables import COLOURS, CONTACT, GROUPS, INVERSE_MASS, KICKED, MOTION, NOTED, floats, integers, rows
 

@@ -26,8 +26,9 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.arm_refresh import hide_from_sweeps
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_approach, slowest_bounce
+from kickdrift.world.contacts.constraint_groups import constraint
 from kickdrift.world.contacts.graph_colouring import is_linked
-from kickdrift.world.contacts.impacts.impact_motion import constraint, flown, is_moved, leave_impact, move_to_impact
+from kickdrift.world.contacts.impacts.impact_motion import flown, is_moved, leave_impact, move_to_impact
 from kickdrift.world.contacts.impacts.impact_rows import (
     APPROACH,
     BOUNCE,

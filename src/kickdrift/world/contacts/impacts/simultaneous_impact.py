@@ -14,8 +14,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross, dot, minus, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.contacts.constraint_groups import constraint
 from kickdrift.world.contacts.impacts.impact_active_set import solve_pressed
-from kickdrift.world.contacts.impacts.impact_motion import constraint
 from kickdrift.world.contacts.impacts.impact_rows import (
     ARM_A,
     ARM_B,

@@ -9,7 +9,8 @@ from kickdrift.world.collision.narrow_phase.manifolds import smallest
 from kickdrift.world.collision.predicted_motion import STRUCK
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
-from kickdrift.world.contacts.impacts.impact_motion import constraint, is_moved
+from kickdrift.world.contacts.constraint_groups import constraint
+from kickdrift.world.contacts.impacts.impact_motion import is_moved
 from kickdrift.world.contacts.impacts.impact_time import rests
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.layout import HEAP, HEAP_SIZE, RADIUS
