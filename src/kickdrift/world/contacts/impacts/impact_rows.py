@@ -4,7 +4,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, applied, cross, dot, length, minus, plus, times
-from kickdrift.world.columns import Fields, column, symmetric_at, vector_at
+from kickdrift.world.columns import Fields, column, point_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.constraint_groups import constraint, vector_of
 from kickdrift.world.contacts.impacts.moved_contacts import (
@@ -50,19 +50,34 @@ TIMES = column(IMPACT, 4, "s")  # when the points hit
 NORMAL = column(IMPACT, 3)
 TANGENT = column(IMPACT, 3)  # the first
 
+STOPPING, RUBBING, THROWING = 0, 1, 2  # parts of a round: impulses that stop, friction, impulses after restitution
+
 
 @compiled(inline=True)
-def bodies_of(world: int, hit: int) -> tuple[int, int]:
+def bodies_of(world: int, hit: Any) -> tuple[int, int]:
     """Return the rows of the bodies of an impact."""
-    contact, row = integers(world, CONTACT), int(floats(world, IMPACT)[hit, ROW])
+    contact, row = integers(world, CONTACT), int(hit[ROW])
     return contact[row, c.BODY_A], contact[row, c.BODY_B]
+
+
+@compiled(inline=True)
+def point_of(hit: Any, k: int) -> Any:
+    """Return the numbers of a point of an impact."""
+    return hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
+
+
+@compiled(inline=True)
+def is_left_out(point: Any, part: int) -> bool:
+    """Whether a point takes no part in a part of a round: it does not hit, or has no impulse that friction could change."""
+    left_out: bool = point[PLASTIC] < 0.0 or (part == RUBBING and point[PLASTIC] == 0.0)
+    return left_out
 
 
 @compiled
 def meet(world: int, hit: Any, least: float) -> None:
     """Write arms and target velocities of a contact whose bodies are at their impact; points slower than `least` do not hit."""
-    row, kicked, contact = int(hit[ROW]), floats(world, KICKED), integers(world, CONTACT)
-    a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
+    row, kicked, (a, b) = int(hit[ROW]), floats(world, KICKED), bodies_of(world, hit)
+    own = constraint(world, row)
     when = max(kicked[a, IMPACT_TIME], kicked[b, IMPACT_TIME])
     place_a, place_b = place_now(world, a, when), place_now(world, b, when)
     normal, _ = normal_between(world, row, own, place_a, place_b)
@@ -73,16 +88,16 @@ def meet(world: int, hit: Any, least: float) -> None:
     near, single = 0.1 * floats(world, SETTINGS)[0, SLOP], meets_at_one_point(world, row, own, place_a, place_b)
     centre_a, centre_b, found, hit[APPROACH] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
     for k in range(4):
-        hit[IMPACT_POINTS + POINT_SIZE * k + PLASTIC] = -1.0
+        point = point_of(hit, k)
+        point[PLASTIC] = -1.0
         if not (hit[TIMES + k] - when) * hit[SPEED] <= near or (single and found > 0.0):
             continue
-        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
         arm_a, arm_b, gap = meeting_arms(world, row, own, k, normal, place_a, place_b)
         if gap > near:  # it has hit before, and has separated
             continue
         put_vector(point, TURN_A, torque_arm(own, place_a, arm_a, normal))
         put_vector(point, TURN_B, torque_arm(own, place_b, arm_b, normal))
-        speed = separating_speed(world, a, b, normal, point)
+        speed = separating_speed(world, hit, point)
         hit[APPROACH] = max(hit[APPROACH], -speed)
         if speed < -least:
             point[WANTED], point[IMPULSE], point[PLASTIC] = -hit[BOUNCE] * speed, 0.0, 0.0
@@ -90,8 +105,8 @@ def meet(world: int, hit: Any, least: float) -> None:
     put_vector(hit, ARM_A, times(1.0 / max(found, 1.0), centre_a))
     put_vector(hit, ARM_B, times(1.0 / max(found, 1.0), centre_b))
     second = cross(normal, first)
-    k11, k22 = _response(world, a, b, hit, first, first), _response(world, a, b, hit, second, second)
-    k12 = _response(world, a, b, hit, first, second)
+    k11, k22 = _response(world, hit, first, first), _response(world, hit, second, second)
+    k12 = _response(world, hit, first, second)
     scale = 1.0 / (k11 * k22 - k12 * k12)
     put_vector(hit, GRIP, (scale * k22, scale * k11, -scale * k12))
     hit[FRICTION], hit[FRICTION + 1] = 0.0, 0.0
@@ -103,17 +118,11 @@ def put_vector(array: Any, at: int, vector: Vector) -> None:
     array[at], array[at + 1], array[at + 2] = vector
 
 
-@compiled(inline=True)
-def vector_in(array: Any, at: int) -> Vector:
-    """Return the vector in the numbers from `at` on."""
-    return (array[at], array[at + 1], array[at + 2])
-
-
 @compiled
-def _response(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector) -> float:
+def _response(world: int, hit: Any, along: Vector, other: Vector) -> float:
     """Return the change of relative velocity along a direction at the centre by a unit impulse along another, 1/kg."""
-    inverse_mass = floats(world, INVERSE_MASS)
-    arm_a, arm_b = vector_in(hit, ARM_A), vector_in(hit, ARM_B)
+    inverse_mass, (a, b) = floats(world, INVERSE_MASS), bodies_of(world, hit)
+    arm_a, arm_b = point_at(hit, ARM_A), point_at(hit, ARM_B)
     inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
     inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
     linear: float = (inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]) * dot(along, other)
@@ -123,18 +132,25 @@ def _response(world: int, a: int, b: int, hit: Any, along: Vector, other: Vector
 
 
 @compiled(inline=True)
-def separating_speed(world: int, a: int, b: int, normal: Vector, point: Any) -> float:
+def separating_speed(world: int, hit: Any, point: Any) -> float:
     """Return the normal velocity at which a point of b separates from a, m/s."""
-    motion = floats(world, MOTION)
-    linear = dot(normal, minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
-    speed: float = linear + dot(vector_in(point, TURN_B), vector_at(motion, b, ANGULAR_VELOCITY))
-    return speed - dot(vector_in(point, TURN_A), vector_at(motion, a, ANGULAR_VELOCITY))
+    motion, (a, b) = floats(world, MOTION), bodies_of(world, hit)
+    linear = dot(point_at(hit, NORMAL), minus(vector_at(motion, b, VELOCITY), vector_at(motion, a, VELOCITY)))
+    speed: float = linear + dot(point_at(point, TURN_B), vector_at(motion, b, ANGULAR_VELOCITY))
+    return speed - dot(point_at(point, TURN_A), vector_at(motion, a, ANGULAR_VELOCITY))
 
 
 @compiled(inline=True)
-def apply_impulse(world: int, a: int, b: int, impulse: Vector, turn_a: Vector, turn_b: Vector) -> None:
+def missing_speed(world: int, hit: Any, point: Any, part: int) -> float:
+    """Return by how much the normal velocity of a point misses its target in a part of a round, m/s."""
+    missing: float = (point[WANTED] if part == THROWING else 0.0) - separating_speed(world, hit, point)
+    return missing
+
+
+@compiled(inline=True)
+def apply_impulse(world: int, hit: Any, impulse: Vector, turn_a: Vector, turn_b: Vector) -> None:
     """Apply an impulse to b and its opposite to a, with the angular impulses `turn_b` and -`turn_a`."""
-    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
+    motion, inverse_mass, (a, b) = floats(world, MOTION), floats(world, INVERSE_MASS), bodies_of(world, hit)
     change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
     change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
     for k in range(3):
@@ -145,11 +161,11 @@ def apply_impulse(world: int, a: int, b: int, impulse: Vector, turn_a: Vector, t
 
 
 @compiled(inline=True)
-def press(world: int, a: int, b: int, normal: Vector, point: Any, impulse: float) -> None:
+def press(world: int, hit: Any, point: Any, impulse: float) -> None:
     """Add an impulse along the normal at a point, N s."""
     point[IMPULSE] += impulse
-    turn_a, turn_b = times(impulse, vector_in(point, TURN_A)), times(impulse, vector_in(point, TURN_B))
-    apply_impulse(world, a, b, times(impulse, normal), turn_a, turn_b)
+    turn_a, turn_b = times(impulse, point_at(point, TURN_A)), times(impulse, point_at(point, TURN_B))
+    apply_impulse(world, hit, times(impulse, point_at(hit, NORMAL)), turn_a, turn_b)
 
 
 @compiled
@@ -157,6 +173,6 @@ def normal_impulse(hit: Any) -> float:
     """Return the sum of the normal impulses of a contact, N s."""
     total = 0.0
     for k in range(4):
-        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
+        point = point_of(hit, k)
         total += point[IMPULSE] if point[PLASTIC] >= 0.0 else 0.0
     return total

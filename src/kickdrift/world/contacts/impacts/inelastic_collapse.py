@@ -57,6 +57,6 @@ def join_touching(world: int, all_stop: bool) -> None:
 def _note_first(world: int, hit: int) -> None:
     """Note a hit of the round with its movable bodies, unless they have an earlier one."""
     kicked = floats(world, KICKED)
-    for body in bodies_of(world, hit):
+    for body in bodies_of(world, floats(world, IMPACT)[hit]):
         if is_moved(world, body):
             kicked[body, GROUP] = min(kicked[body, GROUP], float(hit))

@@ -132,21 +132,18 @@ def bounce(t: float, h: float, world: int) -> None:
         if together:
             join_touching(world, n >= _APART)
         impact = floats(world, IMPACT)
-        a, b = bodies_of(world, 0)
+        a, b = bodies_of(world, impact[0])
         body = b if is_moved(world, b) else a
         for hit in range(rows(world, IMPACT)):
-            a, b = bodies_of(world, hit)
-            move_to_impact(world, h, a)
-            move_to_impact(world, h, b)
+            for struck in bodies_of(world, impact[hit]):
+                move_to_impact(world, h, struck)
         for hit in range(rows(world, IMPACT)):
             meet(world, impact[hit], -math.inf if together else _NOISE * fastest)
         find_impulses(world, _ROUGHLY if together and n < _APART else _EXACTLY)
         for hit in range(rows(world, IMPACT)):
-            a, b = bodies_of(world, hit)
-            leave_impact(world, h, a)
-            leave_impact(world, h, b)
-            note_hit(world, a, n)
-            note_hit(world, b, n)
+            for struck in bodies_of(world, impact[hit]):
+                leave_impact(world, h, struck)
+                note_hit(world, struck, n)
             own, was_hit = constraint(world, int(impact[hit, ROW])), normal_impulse(impact[hit]) > 0.0
             stopped = impact[hit, SPEED] > 0.0 and impact[hit, APPROACH] <= _STOPPED * impact[hit, SPEED]
             own[c.REFERENCE * c.WIDTH] = c.HIT if was_hit and not stopped else c.MISSED
@@ -201,19 +198,14 @@ def _find_round(world: int, n: int, h: float, together: bool) -> float:
     for hit in range(found):
         if impact[hit, SPEED] <= _NOISE * fastest:
             continue
-        row = int(impact[hit, ROW])
-        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-        kicked[a, NEXT_IMPACT] = min(kicked[a, NEXT_IMPACT], impact[hit, TIME])
-        kicked[b, NEXT_IMPACT] = min(kicked[b, NEXT_IMPACT], impact[hit, TIME])
+        for body in bodies_of(world, impact[hit]):
+            kicked[body, NEXT_IMPACT] = min(kicked[body, NEXT_IMPACT], impact[hit, TIME])
     near, count = 0.1 * floats(world, SETTINGS)[0, SLOP], 0
     for hit in range(found):
-        row = int(impact[hit, ROW])
-        a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
         first = impact[hit, TIME]
-        if is_moved(world, a):
-            first = min(first, kicked[a, NEXT_IMPACT])
-        if is_moved(world, b):
-            first = min(first, kicked[b, NEXT_IMPACT])
+        for body in bodies_of(world, impact[hit]):
+            if is_moved(world, body):
+                first = min(first, kicked[body, NEXT_IMPACT])
         if impact[hit, SPEED] > _NOISE * fastest and (impact[hit, TIME] - first) * impact[hit, SPEED] <= near:
             for k in range(IMPACT.width):
                 impact[count, k] = impact[hit, k]

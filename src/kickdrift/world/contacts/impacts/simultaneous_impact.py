@@ -12,7 +12,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, cross, dot, minus, plus, times
-from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.columns import point_at, symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.constraint_groups import constraint
 from kickdrift.world.contacts.impacts.impact_active_set import solve_pressed
@@ -23,54 +23,53 @@ from kickdrift.world.contacts.impacts.impact_rows import (
     BOUND,
     FRICTION,
     GRIP,
-    IMPACT_POINTS,
     IMPULSE,
     NORMAL,
     PLASTIC,
-    POINT_SIZE,
     ROW,
+    RUBBING,
+    STOPPING,
     TANGENT,
+    THROWING,
     TURN_A,
     TURN_B,
-    WANTED,
     apply_impulse,
+    bodies_of,
+    is_left_out,
+    missing_speed,
     normal_impulse,
+    point_of,
     press,
-    separating_speed,
-    vector_in,
 )
 from kickdrift.world.contacts.impacts.impact_worklist import begin_sweeps, may_change, note_change
 from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS, VELOCITY
-from kickdrift.world.tables import CONTACT, IMPACT, INVERSE_MASS, MOTION, floats, integers, rows
+from kickdrift.world.tables import IMPACT, INVERSE_MASS, MOTION, floats, rows
 
 _BOUNDS = 4  # iterations of friction, each bounded by the normal impulses that the last one has left
 _SWEEPS, _FEW = 400, 50  # at most, and those after which the points that press are solved by elimination
-_PLASTIC, _FRICTION, _THROWN = 0, 1, 2  # parts of a round: impulses that stop, friction, impulses after restitution
 
 
 @compiled
-def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bool) -> float:
+def _sweep_points(world: int, hit: Any, part: int) -> float:
     """Sweep over the points of a contact that hit, and return the largest change of an impulse, N s.
 
-    Their target velocity is zero, or, if `thrown`, that after restitution. Impulses stay above -`least` times the plastic ones.
-    Points with a plastic impulse of zero are included only if `stopping` or `thrown`.
+    Their target velocity is zero, or, when `THROWING`, that after restitution. Impulses do not fall below zero, or, when
+    `RUBBING`, below -e times the plastic ones.
     """
-    row, contact, inverse_mass = int(hit[ROW]), integers(world, CONTACT), floats(world, INVERSE_MASS)
-    a, b = contact[row, c.BODY_A], contact[row, c.BODY_B]
-    normal = vector_in(hit, NORMAL)
+    inverse_mass, (a, b) = floats(world, INVERSE_MASS), bodies_of(world, hit)
     inverse_a = symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD)
     inverse_b = symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD)
-    largest = 0.0
+    least, largest = hit[BOUNCE] if part == RUBBING else 0.0, 0.0
     for k in range(4):
-        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
-        if point[PLASTIC] < 0.0 or (not stopping and point[PLASTIC] == 0.0 and not thrown):
+        point = point_of(hit, k)
+        if is_left_out(point, part):
             continue
-        turn_a, turn_b = vector_in(point, TURN_A), vector_in(point, TURN_B)
+        turn_a, turn_b = point_at(point, TURN_A), point_at(point, TURN_B)
         response = inverse_mass[a, INVERSE_LINEAR_MASS] + inverse_mass[b, INVERSE_LINEAR_MASS]
         response += dot(turn_a, applied(inverse_a, turn_a)) + dot(turn_b, applied(inverse_b, turn_b))
-        missing = (point[WANTED] if thrown else 0.0) - separating_speed(world, a, b, normal, point)
+        missing = missing_speed(world, hit, point, part)
         d = max(point[IMPULSE] + missing / response, -least * point[PLASTIC]) - point[IMPULSE]
-        press(world, a, b, normal, point, d)
+        press(world, hit, point, d)
         largest = max(largest, abs(d))
     return largest
 
@@ -78,16 +77,15 @@ def _sweep_points(world: int, hit: Any, stopping: bool, least: float, thrown: bo
 @compiled
 def _sweep_friction(world: int, hit: Any) -> float:
     """Do one sweep over the friction of a contact, and return the change of its impulse, N s."""
-    row, contact, motion = int(hit[ROW]), integers(world, CONTACT), floats(world, MOTION)
-    a, b, own = contact[row, c.BODY_A], contact[row, c.BODY_B], constraint(world, row)
-    first, arm_a, arm_b = vector_in(hit, TANGENT), vector_in(hit, ARM_A), vector_in(hit, ARM_B)
-    second = cross(vector_in(hit, NORMAL), first)
+    motion, (a, b), own = floats(world, MOTION), bodies_of(world, hit), constraint(world, int(hit[ROW]))
+    first, arm_a, arm_b = point_at(hit, TANGENT), point_at(hit, ARM_A), point_at(hit, ARM_B)
+    second = cross(point_at(hit, NORMAL), first)
     slip = minus(
         plus(vector_at(motion, b, VELOCITY), cross(vector_at(motion, b, ANGULAR_VELOCITY), arm_b)),
         plus(vector_at(motion, a, VELOCITY), cross(vector_at(motion, a, ANGULAR_VELOCITY), arm_a)),
     )
     s1, s2 = dot(slip, first) - own[c.SURFACE_SPEED * c.WIDTH], dot(slip, second) - own[(c.SURFACE_SPEED + 1) * c.WIDTH]
-    k11, k22, k12 = vector_in(hit, GRIP)
+    k11, k22, k12 = point_at(hit, GRIP)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
     if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding, as in `friction_simd.solve_friction`
         mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
@@ -97,7 +95,7 @@ def _sweep_friction(world: int, hit: Any) -> float:
     d1, d2 = f1 - hit[FRICTION], f2 - hit[FRICTION + 1]
     hit[FRICTION], hit[FRICTION + 1] = f1, f2
     impulse = plus(times(d1, first), times(d2, second))
-    apply_impulse(world, a, b, impulse, cross(arm_a, impulse), cross(arm_b, impulse))
+    apply_impulse(world, hit, impulse, cross(arm_a, impulse), cross(arm_b, impulse))
     return math.sqrt(d1 * d1 + d2 * d2)
 
 
@@ -108,18 +106,18 @@ def find_impulses(world: int, tolerance: float) -> None:
     Sweeps end where no impulse changes by more than `tolerance` times the largest one.
     """
     impact, count = floats(world, IMPACT), rows(world, IMPACT)
-    scale, rough = _sweep(world, _PLASTIC, 0.0, tolerance), False
+    scale, rough = _sweep(world, STOPPING, 0.0, tolerance), False
     for hit in range(count):
         for k in range(4):
-            p = IMPACT_POINTS + POINT_SIZE * k
-            impact[hit, p + PLASTIC] = impact[hit, p + IMPULSE] if impact[hit, p + PLASTIC] >= 0.0 else -1.0
+            point = point_of(impact[hit], k)
+            point[PLASTIC] = point[IMPULSE] if point[PLASTIC] >= 0.0 else -1.0
         rough = rough or constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] > 0.0
     if rough:
         for _ in range(_BOUNDS):
             _find_friction(world, scale, tolerance)
     for hit in range(count):
         _apply_restitution(world, impact[hit])
-    _sweep(world, _THROWN, scale, tolerance)
+    _sweep(world, THROWING, scale, tolerance)
 
 
 @compiled
@@ -133,17 +131,16 @@ def _sweep(world: int, part: int, scale: float, tolerance: float) -> float:
         for hit in range(count):
             if not may_change(world, int(impact[hit, ROW]), sweep):
                 continue
-            change = _sweep_friction(world, impact[hit]) if part == _FRICTION else 0.0
-            least = impact[hit, BOUNCE] if part == _FRICTION else 0.0
-            change = max(change, _sweep_points(world, impact[hit], part == _PLASTIC, least, part == _THROWN))
-            scale = max(scale, normal_impulse(impact[hit])) if part == _PLASTIC else scale
+            change = _sweep_friction(world, impact[hit]) if part == RUBBING else 0.0
+            change = max(change, _sweep_points(world, impact[hit], part))
+            scale = max(scale, normal_impulse(impact[hit])) if part == STOPPING else scale
             if change > tolerance * scale:
                 note_change(world, int(impact[hit, ROW]), sweep)
                 settled = False
         if settled:
             break
         if sweep % _FEW == _FEW - 1:
-            solve_pressed(world, sweep, part == _PLASTIC, part == _FRICTION, part == _THROWN)
+            solve_pressed(world, sweep, part)
     return scale
 
 
@@ -154,18 +151,16 @@ def _find_friction(world: int, scale: float, tolerance: float) -> None:
     for hit in range(count):
         total = normal_impulse(impact[hit])
         for k in range(4):
-            total += impact[hit, BOUNCE] * max(impact[hit, IMPACT_POINTS + POINT_SIZE * k + PLASTIC], 0.0)
+            total += impact[hit, BOUNCE] * max(point_of(impact[hit], k)[PLASTIC], 0.0)
         impact[hit, BOUND] = constraint(world, int(impact[hit, ROW]))[c.FRICTION * c.WIDTH] * max(total, 0.0)
-    _sweep(world, _FRICTION, scale, tolerance)
+    _sweep(world, RUBBING, scale, tolerance)
 
 
 @compiled
 def _apply_restitution(world: int, hit: Any) -> None:
     """Apply e times the plastic impulses of the points of a contact."""
-    row, contact = int(hit[ROW]), integers(world, CONTACT)
-    normal = vector_in(hit, NORMAL)
     for k in range(4):
-        point = hit[IMPACT_POINTS + POINT_SIZE * k : IMPACT_POINTS + POINT_SIZE * (k + 1)]
+        point = point_of(hit, k)
         d = hit[BOUNCE] * max(point[PLASTIC], 0.0)
         if d > 0.0:
-            press(world, contact[row, c.BODY_A], contact[row, c.BODY_B], normal, point, d)
+            press(world, hit, point, d)
