@@ -85,7 +85,8 @@ def mark_half_kicks(t: float, h: float, world: int) -> None:
     islands, kicked = integers(world, ISLAND), floats(world, KICKED)
     for island in range(rows(world, ISLAND)):
         own = islands[island]
-        halved = own[FIRST_JOINT] < own[AFTER_JOINT] and (
+        halved = own[FIRST_JOINT] < own[AFTER_JOINT] and not _is_damped(world, island)
+        halved = halved and (
             (_is_unloaded(world, island) and _is_passive(world, island)) or (own[TOUCHES] < 2 and _falls(world, island))
         )
         for node in range(own[FIRST_NODE], own[AFTER_NODE]):
@@ -114,6 +115,17 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
 
 
 @compiled(cached=False)
+def _is_damped(world: int, island: int) -> bool:
+    """Whether a body of an island is damped."""
+    own, inertia = integers(world, ISLAND)[island], floats(world, INERTIA)
+    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        body = body_of(world, node)
+        if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
+            return True
+    return False
+
+
+@compiled(cached=False)
 def _is_unloaded(world: int, island: int) -> bool:
     """Whether no contact of an island had an impulse at the end of the last substep: none, or bounces alone."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
@@ -129,13 +141,9 @@ def _is_unloaded(world: int, island: int) -> bool:
 
 @compiled(cached=False)
 def _is_passive(world: int, island: int) -> bool:
-    """Whether no body of an island is damped, and no joint has a motor, a drive or friction; limits only stop their axis."""
+    """Whether no joint of an island has a motor, a drive or friction; limits only stop their axis."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    joints, laws, inertia = integers(world, JOINT), floats(world, JOINT_AXES), floats(world, INERTIA)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body = body_of(world, node)
-        if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
-            return False
+    joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
         joint = links[order[place, 0], LINK_JOINT]
         if joints[joint, LAWS] == 0:
@@ -149,15 +157,13 @@ def _is_passive(world: int, island: int) -> bool:
 
 @compiled(cached=False)
 def _falls(world: int, island: int) -> bool:
-    """Whether no joint holds an island, no body is damped, and the kick is the same for all of its bodies."""
+    """Whether no joint holds an island, and the kick is the same for all of its bodies, as none is damped."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
-    force, inverse_mass, inertia = floats(world, FORCE), floats(world, INVERSE_MASS), floats(world, INERTIA)
+    force, inverse_mass = floats(world, FORCE), floats(world, INVERSE_MASS)
     first = body_of(world, own[FIRST_NODE])
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         link, body = nodes[node, LINK_ROW], body_of(world, node)
         if links[link, PARENT] == NONE and links[link, LINK_JOINT] >= 0:
-            return False
-        if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
             return False
         for k in range(3):
             pushed = inverse_mass[body, INVERSE_LINEAR_MASS] * force[body, SUBSTEP_FORCE + k]
