@@ -101,7 +101,7 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
                 if links[at, HELD_AXES] >> k & 1:
                     work[at, AXIS_IMPULSE + k] -= share * numbers[joint, JOINT_IMPULSE + k]
             give_joint(world, joint, at, PRESS)
-            end_joint(world, joint, h)
+            end_joint(world, joint)
 
 
 @compiled
@@ -208,8 +208,7 @@ def _solve_axes(world: int, at: int, active: int, responses: Any) -> None:
                         matrix[k, j] -= share * matrix[i, j]
         if not matrix[k, k] > _IMPLIED * before:
             matrix[k, k] = 0.0
-    for back in range(6):
-        k = 5 - back
+    for k in range(5, -1, -1):
         if active >> k & 1 and matrix[k, k] > 0.0:
             total = matrix[k, 6]
             for j in range(k + 1, 6):

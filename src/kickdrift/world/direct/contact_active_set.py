@@ -27,7 +27,7 @@ from kickdrift.world.direct.contact_rows import (
     update_point_states,
     weigh,
 )
-from kickdrift.world.direct.contact_wrenches import along
+from kickdrift.world.direct.contact_wrenches import along, wrench_of
 from kickdrift.world.direct.direct_bodies import is_across, mass_of, place_in
 from kickdrift.world.direct.layout import (
     ACTIVE,
@@ -47,7 +47,6 @@ from kickdrift.world.direct.layout import (
     STATE,
     TANGENT,
     WANTED,
-    WRENCH,
 )
 from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, IN_IMPACT
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
@@ -131,7 +130,7 @@ def _begin_points(
             continue
         speed, given = numbers[SPEED + k], numbers[GIVEN + k]
         begin_row(world, own, numbers, k, velocity, a, b, rigid)
-        gap = own[at + c.GAP * c.WIDTH] + along(numbers[WRENCH + 12 * k : WRENCH + 12 * k + 12], change)
+        gap = own[at + c.GAP * c.WIDTH] + along(wrench_of(numbers, k), change)
         if task == PRESS:
             numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.BIAS_RATE * c.WIDTH] * gap, push)
         elif task == REST and (

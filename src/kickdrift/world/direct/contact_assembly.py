@@ -7,6 +7,7 @@ from kickdrift.core.spatial import plus_scaled, put_spatial, put_spatial_of, spa
 from kickdrift.world.direct.contact_active_set import twelve
 from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
+from kickdrift.world.direct.contact_wrenches import wrench_of
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -38,7 +39,7 @@ def add_contacts(world: int, island: int) -> None:
         a, b = int(numbers[NODES]), int(numbers[NODES + 1])
         for i in range(TANGENT):
             if numbers[ACTIVE + i] != 0.0 and numbers[STATE + i] == HELD:
-                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
+                row = wrench_of(numbers, i)
                 add_row(world, a, b, numbers[STIFFNESS + i], row, row)
         for bound in range(3):
             begin = first_row(bound)
@@ -48,7 +49,7 @@ def add_contacts(world: int, island: int) -> None:
                 continue
             end = begin + bound_rows(bound)
             for i in range(begin, end):
-                row = numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12]
+                row = wrench_of(numbers, i)
                 for at in range(0, 12, 6):
                     put_spatial_of(wrench, at, spatial_of(row, at))
                 if not held:

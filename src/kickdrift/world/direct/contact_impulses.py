@@ -2,11 +2,12 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import inner, plus_scaled, put_spatial_of, spatial_at, spatial_of
+from kickdrift.world.columns import point_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct.contact_active_set import BOUNCE, PRESS, REST, read_both, twelve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row
 from kickdrift.world.direct.contact_rows import bind, bind_points, bound_of, first_row, give_of, impulse_field
-from kickdrift.world.direct.contact_wrenches import along, write_wrench
+from kickdrift.world.direct.contact_wrenches import along, wrench_of, write_wrench
 from kickdrift.world.direct.layout import (
     ACTIVE,
     AFTER_CONTACT,
@@ -97,8 +98,7 @@ def give_contacts(world: int, island: int, task: int) -> None:
         for side in range(2):
             if numbers[NODES + side] >= 0.0 or numbers[CUT] == 1.0 + side:
                 body, at = bodies[1] if side == 1 else bodies[0], 6 * side
-                push = (given[at], given[at + 1], given[at + 2])
-                push_body(world, body, push, (given[at + 3], given[at + 4], given[at + 5]))
+                push_body(world, body, point_at(given, at), point_at(given, at + 3))
 
 
 @compiled(cached=False, fast=True)
@@ -110,7 +110,7 @@ def forget_contacts(world: int, island: int) -> None:
         for i in range(CONTACT_ROWS):
             numbers[ACTIVE + i], numbers[IMPULSE + i] = 1.0, fields[impulse_field(i) * c.WIDTH]
             numbers[GIVEN + i] = -numbers[IMPULSE + i]
-            write_wrench(fields, i, numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12])
+            write_wrench(fields, i, wrench_of(numbers, i))
     give_contacts(world, island, REST)
 
 
@@ -125,5 +125,5 @@ def left_of_contacts(world: int, island: int) -> float:
         read_both(world, MOTION, a, b, velocity)
         for i in range(TANGENT):
             if numbers[ACTIVE + i] != 0.0 and fields[impulse_field(i) * c.WIDTH] > 0.0:
-                most = max(most, abs(along(numbers[WRENCH + 12 * i : WRENCH + 12 * i + 12], velocity)))
+                most = max(most, abs(along(wrench_of(numbers, i), velocity)))
     return most

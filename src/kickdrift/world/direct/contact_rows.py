@@ -10,7 +10,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.direct.contact_wrenches import along, mobility, write_wrench
+from kickdrift.world.direct.contact_wrenches import along, mobility, wrench_of, write_wrench
 from kickdrift.world.direct.layout import (
     ACCEPTED,
     ACTIVE,
@@ -37,7 +37,6 @@ from kickdrift.world.direct.layout import (
     TWIST,
     WANTED,
     WEIGHT,
-    WRENCH,
 )
 
 _W = c.WIDTH
@@ -95,7 +94,7 @@ def begin_row(world: int, own: Any, rows: Any, k: int, velocity: Any, a: int, b:
     The stiffness is that of the effective mass, or of the mass borne if that is larger. If the bodies are of two islands, the
     body of the other island (`CUT`: 1: a, 2: b) responds as if it were free.
     """
-    wrench = rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
+    wrench = wrench_of(rows, k)
     write_wrench(own, k, wrench)
     of_a, of_b = mobility(world, wrench, a, 0), mobility(world, wrench, b, 1)
     yielding, other = of_a + of_b, of_a if rows[CUT] == 1.0 else of_b if rows[CUT] == 2.0 else 0.0

@@ -5,13 +5,19 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import inner, spatial_of
 from kickdrift.core.vectors import Vector, cross, dot, minus
-from kickdrift.world.columns import symmetric_at
+from kickdrift.world.columns import point_at, symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.constraint_groups import vector_of
-from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST
+from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST, WRENCH
 from kickdrift.world.joints.kinematics import turning
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, floats
+
+
+@compiled(inline=True, cached=False, fast=True)
+def wrench_of(rows: Any, k: int) -> Any:
+    """Return the wrench of row k of a contact, (12,), as a view."""
+    return rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
 
 
 @compiled(cached=False, fast=True)
@@ -47,7 +53,6 @@ def along(wrench: Any, velocity: Any) -> float:
 @compiled(cached=False, fast=True)
 def mobility(world: int, wrench: Any, body: int, side: int) -> float:
     """Return the change of speed along a row per unit impulse along it, by one of its bodies alone."""
-    response, at = floats(world, INVERSE_MASS), 6 * side
-    push, turn = (wrench[at], wrench[at + 1], wrench[at + 2]), (wrench[at + 3], wrench[at + 4], wrench[at + 5])
+    response, push, turn = floats(world, INVERSE_MASS), point_at(wrench, 6 * side), point_at(wrench, 6 * side + 3)
     total: float = response[body, INVERSE_LINEAR_MASS] * dot(push, push)
     return total + turning(symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD), turn)

@@ -5,6 +5,7 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
+from kickdrift.world.columns import point_at
 from kickdrift.world.contacts.layout import WIDTH
 from kickdrift.world.direct.contact_active_set import REST, twelve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint
@@ -85,9 +86,8 @@ def _push_by_contacts(world: int, island: int) -> None:
             for side in range(2):
                 body, at = b if side == 1 else a, 6 * side
                 if place_in(world, island, body) >= 0:
-                    push = (wrench[at], wrench[at + 1], wrench[at + 2])
-                    turn = (wrench[at + 3], wrench[at + 4], wrench[at + 5])
-                    push_body(world, body, times(impulse, push), times(impulse, turn))
+                    push, turn = times(impulse, point_at(wrench, at)), times(impulse, point_at(wrench, at + 3))
+                    push_body(world, body, push, turn)
 
 
 @compiled(cached=False)

@@ -141,13 +141,8 @@ def take_back(world: int, island: int) -> None:
 def restore_impulses(world: int, island: int) -> None:
     """Restore the impulses with which the joints of an island begin the substep."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        begin_anew(world, links[order[place, 0], LINK_JOINT])
-
-
-@compiled(cached=False)
-def begin_anew(world: int, joint: int) -> None:
-    """Reset the impulses of a joint to those with which the substep began."""
     numbers = floats(world, JOINT_NUMBERS)
-    for k in range(6):
-        numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]
+    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+        joint = links[order[place, 0], LINK_JOINT]
+        for k in range(6):
+            numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]

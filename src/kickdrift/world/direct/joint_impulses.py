@@ -83,11 +83,11 @@ def end_solution(world: int, island: int, h: float) -> None:
     """Store the joint impulses of an island before the drift."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        end_joint(world, links[order[place, 0], LINK_JOINT], h)
+        end_joint(world, links[order[place, 0], LINK_JOINT])
 
 
 @compiled(cached=False)
-def end_joint(world: int, joint: int, h: float) -> None:
+def end_joint(world: int, joint: int) -> None:
     """Store the impulses of a joint before the drift."""
     numbers = floats(world, JOINT_NUMBERS)
     for k in range(6):
@@ -122,5 +122,4 @@ def turn_on(world: int, joint: int, body: int, h: float) -> None:
     if integers(world, JOINT)[joint, LINEAR] == POINT:
         turn = exponential(times(h, vector_at(floats(world, MOTION), body, ANGULAR_PART)))
         put_vector(numbers, joint, JOINT_IMPULSE, turned(turn, vector_at(numbers, joint, JOINT_IMPULSE)))
-    for k in range(6):
-        numbers[joint, SOLVED + k] = numbers[joint, JOINT_IMPULSE + k]
+    end_joint(world, joint)
