@@ -9,7 +9,7 @@ from kickdrift.world.columns import column
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.disjoint_sets import first_of, unite
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, STATIC
-from kickdrift.world.step.status import ask_for_room
+from kickdrift.world.step.status import ask_for_room, has_room
 from kickdrift.world.tables import (
     BATCH,
     BODY,
@@ -45,8 +45,7 @@ CROWD = 256
 @compiled
 def find_batches(t: float, h: float, world: int) -> None:
     """Find islands of bodies connected by contacts, and fill batches with whole islands, in the order of their first bodies."""
-    if rows(world, BODY) > room(world, BATCH):
-        ask_for_room(world, BATCH, rows(world, BODY))
+    if not has_room(world, BATCH, rows(world, BODY)):
         return
     if rows(world, CONTACT) > room(world, STARTED_IMPULSE):
         ask_for_room(world, STARTED_IMPULSE, 2 * rows(world, CONTACT))

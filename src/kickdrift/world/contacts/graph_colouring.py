@@ -6,7 +6,7 @@ from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.batch_division import OWN_BATCH
 from kickdrift.world.layout import AWAKE, BODY_KIND, INVERSE_LINEAR_MASS, LINK_PLACE, STATIC
-from kickdrift.world.step.status import ask_for_room
+from kickdrift.world.step.status import has_room
 from kickdrift.world.tables import (
     BATCH,
     BODY,
@@ -20,7 +20,6 @@ from kickdrift.world.tables import (
     MEMBERSHIP,
     floats,
     integers,
-    room,
     rows,
     set_rows,
 )
@@ -38,8 +37,7 @@ def colour(t: float, h: float, world: int) -> None:
     last.
     """
     batches = max(rows(world, BATCH), 1)
-    if batches * BATCH_COLOURS > room(world, COLOURS):
-        ask_for_room(world, COLOURS, batches * BATCH_COLOURS)
+    if not has_room(world, COLOURS, batches * BATCH_COLOURS):
         return
     _choose_colours(world, batches)
     if _lay_out_groups(world, batches):
@@ -100,16 +98,14 @@ def _lay_out_groups(world: int, batches: int) -> bool:
     most = 0
     for k in range(0, batches * BATCH_COLOURS, BATCH_COLOURS):
         most = max(most, colours[k + LINKED, c.AFTER_GROUP] - colours[k, c.FIRST_GROUP])
-    if first > room(world, GROUPS):
-        ask_for_room(world, GROUPS, first)
+    linked = colours[LINKED, c.COLOUR_CONTACTS]
+    if not (
+        has_room(world, GROUPS, first)
+        and has_room(world, LANES, most * c.GROUP_SIZE)
+        and has_room(world, CONTACT_ROW, linked)
+    ):
         return False
-    if most * c.GROUP_SIZE > room(world, LANES):
-        ask_for_room(world, LANES, most * c.GROUP_SIZE)
-        return False
-    if colours[LINKED, c.COLOUR_CONTACTS] > room(world, CONTACT_ROW):
-        ask_for_room(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
-        return False
-    set_rows(world, CONTACT_ROW, colours[LINKED, c.COLOUR_CONTACTS])
+    set_rows(world, CONTACT_ROW, linked)
     set_rows(world, GROUPS, first)
     for k in range(rows(world, BATCH)):
         integers(world, BATCH)[k, LANES_BEFORE] = colours[k * BATCH_COLOURS, c.FIRST_GROUP] * c.GROUP_SIZE

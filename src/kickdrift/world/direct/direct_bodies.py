@@ -29,7 +29,6 @@ from kickdrift.world.tables import (
     LINK,
     LINK_NUMBERS,
     NODE,
-    Table,
     floats,
     integers,
     room,
@@ -44,11 +43,8 @@ FARTHEST = 6
 @compiled
 def find_nodes(t: float, h: float, world: int) -> None:
     """Give bodies of unsolved heaps, and free bodies near links, a row of `LINK` for this step."""
-    body, links, contact = integers(world, BODY), integers(world, LINK), integers(world, CONTACT)
-    joined = integers(world, GRAPH)[0, JOINED_ROWS]
-    for row in range(joined, rows(world, LINK)):
-        body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
-    set_rows(world, LINK, joined)
+    body, contact, joined = integers(world, BODY), integers(world, CONTACT), integers(world, GRAPH)[0, JOINED_ROWS]
+    _remove_nodes(world, joined, rows(world, LINK))
     count = _add_heaps(world, joined)
     if count < 0:
         return
@@ -117,7 +113,7 @@ def _is_node(world: int, row: int, begun: int) -> bool:
 
 @compiled(cached=False)
 def _remove_nodes(world: int, joined: int, count: int) -> None:
-    """Remove the rows of `LINK` from `joined` on, since the stage is run again."""
+    """Remove the rows of `LINK` from `joined` on: those of the last step, or of a stage that is run again."""
     body, links = integers(world, BODY), integers(world, LINK)
     for row in range(joined, count):
         body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
@@ -166,12 +162,3 @@ def mass_of(world: int, island: int) -> float:
     for node in range(own[FIRST_NODE], own[AFTER_NODE]):
         total += floats(world, INERTIA)[body_of(world, node), MASS]
     return total
-
-
-@compiled(inline=True)
-def has_room(world: int, table: Table, count: int) -> bool:
-    """Whether a table has room for a number of rows; requests it if not."""
-    if count > room(world, table):
-        ask_for_room(world, table, count)
-        return False
-    return True

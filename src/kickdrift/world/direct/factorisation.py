@@ -218,8 +218,7 @@ def _eliminate_free(world: int, node: int) -> None:
             for k in range(i):
                 share = work[link, ARTICULATED_INERTIA + 6 * i + k]
                 add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -share, spatial_at(blocks, block, UPPER_BLOCK + 6 * k))
-        for back in range(6):
-            i = 5 - back
+        for i in range(5, -1, -1):
             for k in range(i + 1, 6):
                 share = work[link, ARTICULATED_INERTIA + 6 * i + k]
                 add_scaled(blocks, block, UPPER_BLOCK + 6 * i, -share, spatial_at(blocks, block, UPPER_BLOCK + 6 * k))

@@ -7,7 +7,7 @@ from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
 from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
 from kickdrift.world.direct.contact_lookup import linked_contacts
-from kickdrift.world.direct.direct_bodies import body_of, has_room, nodes_of_contact
+from kickdrift.world.direct.direct_bodies import body_of, nodes_of_contact
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
     AFTER_JOINT,
@@ -42,6 +42,7 @@ from kickdrift.world.joints.layout import (
     ROOT,
 )
 from kickdrift.world.layout import LINK_PLACE, MASS
+from kickdrift.world.step.status import has_room
 from kickdrift.world.tables import (
     ARTICULATION,
     BLOCK,
@@ -231,8 +232,7 @@ def _sort_nodes(world: int) -> None:
         if links[row, ROOT] >= 0:
             islands[links[links[row, ROOT], NODE_ROW], AFTER_NODE] += 1
     _begin_ranges(islands, rows(world, ISLAND), FIRST_NODE, AFTER_NODE)
-    for back in range(rows(world, LINK)):
-        row = rows(world, LINK) - 1 - back
+    for row in range(rows(world, LINK) - 1, -1, -1):
         if links[row, ROOT] >= 0:
             island = links[links[row, ROOT], NODE_ROW]
             place = islands[island, AFTER_NODE]
@@ -243,10 +243,9 @@ def _sort_nodes(world: int) -> None:
         for place in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
             mass = inertia[body_of(world, place), MASS]
             least, greatest = min(least, mass), max(greatest, mass)
+            links[nodes[place, LINK_ROW], NODE_ROW] = place
         islands[island, RATIO], islands[island, LOST] = int(greatest / least + 1.0), 0
         islands[island, HAS_JOINTS] = int(islands[island, AFTER_JOINT] > islands[island, FIRST_JOINT])
-    for place in range(islands[rows(world, ISLAND) - 1, AFTER_NODE] if rows(world, ISLAND) > 0 else 0):
-        links[nodes[place, LINK_ROW], NODE_ROW] = place
 
 
 @compiled(cached=False)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.world.direct.direct_bodies import has_room, nodes_of_contact
+from kickdrift.world.direct.direct_bodies import nodes_of_contact
 from kickdrift.world.direct.gear_assembly import geared_link
 from kickdrift.world.direct.layout import (
     AFTER_CONTACT,
@@ -18,6 +18,7 @@ from kickdrift.world.direct.layout import (
     PARENT_NODE,
 )
 from kickdrift.world.joints.layout import GEARED, LINEAR, LINK_A, LINK_B, LINK_JOINT, NODE_ROW, NONE, PARENT, ROOT
+from kickdrift.world.step.status import has_room
 from kickdrift.world.tables import (
     ADJACENCY,
     BLOCK,
@@ -106,7 +107,10 @@ def _clear(bits: Any, i: int, j: int, words: int) -> None:
 
 
 @compiled(inline=True, cached=False)
-def _unite(bits: Any, i: int, j: int, words: int) -> None:
+def _unite(world: int, island: int, a: int, b: int, words: int) -> None:
+    """Couple the nodes of two rows of LINK."""
+    links, bits, first = integers(world, LINK), integers(world, ADJACENCY), integers(world, ISLAND)[island, FIRST_NODE]
+    i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
     _set(bits, i, j, words)
     _set(bits, j, i, words)
 
@@ -139,27 +143,25 @@ def _couple(world: int, island: int, words: int) -> bool:
     links, own = integers(world, LINK), integers(world, ISLAND)[island]
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
     closings, joints = integers(world, ISLAND_JOINT), integers(world, JOINT)
-    first, coupled = own[FIRST_NODE], False
-    for k in range((own[AFTER_NODE] - first) * words):
+    coupled = False
+    for k in range((own[AFTER_NODE] - own[FIRST_NODE]) * words):
         bits[k, 0] = 0
     for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
         a, b = nodes_of_contact(world, order[k, 0])
         if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
-            i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
-            _unite(bits, i, j, words)
+            _unite(world, island, a, b, words)
             coupled = True
     for k in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
         a, b = links[closings[k, 0], LINK_A], links[closings[k, 0], LINK_B]
         if a >= 0 and b >= 0:
-            i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
-            _unite(bits, i, j, words)
+            _unite(world, island, a, b, words)
             coupled = True
         if joints[links[closings[k, 0], LINK_JOINT], LINEAR] == GEARED:
             for one in range(4):
                 for two in range(one):
                     a, b = geared_link(world, closings[k, 0], one), geared_link(world, closings[k, 0], two)
                     if a >= 0 and b >= 0 and a != b:
-                        _unite(bits, links[a, NODE_ROW] - first, links[b, NODE_ROW] - first, words)
+                        _unite(world, island, a, b, words)
     return coupled
 
 

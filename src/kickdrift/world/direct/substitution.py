@@ -58,8 +58,7 @@ def substitute(world: int, first: int, after: int) -> None:
             _forward_link(world, node)
         else:
             _forward_free(world, node)
-    for back in range(after - first):
-        node = after - 1 - back
+    for node in range(after - 1, first - 1, -1):
         if links[nodes[node, LINK_ROW], LINK_JOINT] >= 0:
             _back_link(world, node)
         else:

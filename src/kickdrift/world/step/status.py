@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.columns import column
-from kickdrift.world.tables import STEP_STATUS, Table, Tables, integers
+from kickdrift.world.tables import STEP_STATUS, Table, Tables, integers, room
 
 # Columns
 STATUS = column(STEP_STATUS)
@@ -73,6 +73,15 @@ def ask_for_room(world: int, table: Table, count: int) -> None:
     row = integers(world, STEP_STATUS)
     if row[0, STATUS] == OK:
         row[0, STATUS], row[0, TABLE], row[0, ROWS_WANTED] = FULL, table[0], count
+
+
+@compiled(inline=True)
+def has_room(world: int, table: Table, count: int) -> bool:
+    """Whether a table has room for a number of rows; requests it if not."""
+    if count > room(world, table):
+        ask_for_room(world, table, count)
+        return False
+    return True
 
 
 @compiled(inline=True)

@@ -56,7 +56,7 @@ from kickdrift.world.contacts.impacts.simultaneous_impact import find_impulses
 from kickdrift.world.contacts.impacts.struck_bodies import is_struck, mark_struck
 from kickdrift.world.layout import IMPACT_TIME, NEXT_IMPACT
 from kickdrift.world.settings import BOUNCING_TIME, SLOP, SUBSTEPS
-from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING, ask_for_room
+from kickdrift.world.step.status import BOUNCING_BODY, LEFT_BOUNCING, WARNING, has_room
 from kickdrift.world.tables import (
     BOUNCING,
     CONTACT,
@@ -66,7 +66,6 @@ from kickdrift.world.tables import (
     STEP_STATUS,
     floats,
     integers,
-    room,
     rows,
     set_rows,
 )
@@ -89,11 +88,7 @@ _NOISE = 1e-9  # of the fastest hit: slower ones may be rounding, and wait until
 def find_bouncing(t: float, h: float, world: int) -> None:
     """List the contacts that may bounce, and set the speeds from which on they do."""
     contact, count = integers(world, CONTACT), 0
-    if rows(world, CONTACT) > room(world, BOUNCING):
-        ask_for_room(world, BOUNCING, rows(world, CONTACT))
-        return
-    if rows(world, CONTACT) > room(world, IMPACT):
-        ask_for_room(world, IMPACT, rows(world, CONTACT))
+    if not (has_room(world, BOUNCING, rows(world, CONTACT)) and has_room(world, IMPACT, rows(world, CONTACT))):
         return
     bouncing, substep = integers(world, BOUNCING), h / floats(world, SETTINGS)[0, SUBSTEPS]
     struck = mark_struck(world, substep)
