@@ -34,6 +34,12 @@ def vector_of(own: Any, field: int) -> Vector:
 
 
 @compiled(inline=True)
+def put_vector_of(own: Any, field: int, vector: Vector) -> None:
+    """Write three fields of a constraint; `own` begins at its lane."""
+    own[field * c.WIDTH], own[(field + 1) * c.WIDTH], own[(field + 2) * c.WIDTH] = vector
+
+
+@compiled(inline=True)
 def new_scratch() -> Any:
     """Return scratch memory on the stack, with undefined contents."""
     return carray(floats_on_stack(SCRATCH_SIZE), (SCRATCH_SIZE,))

@@ -12,7 +12,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, dot, length, minus, plus, times, turned, turned_back
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
-from kickdrift.world.contacts.constraint_groups import vector_of
+from kickdrift.world.contacts.constraint_groups import put_vector_of, vector_of
 
 _W = c.WIDTH
 _WITHIN = 1e-9  # component of a normal across the plane, below which it is rounding
@@ -30,7 +30,7 @@ def flatten_contact(raw: Any, plane: Vector) -> None:
     across = dot(plane, normal)
     if abs(across) <= _WITHIN:
         return
-    _put(raw, r.SPIN_AXIS, (0.0, 0.0, 0.0))  # the normal within the plane does not meet the axis
+    put_vector_of(raw, r.SPIN_AXIS, (0.0, 0.0, 0.0))  # the normal within the plane does not meet the axis
     within = minus(normal, times(across, plane))
     cosine = length(within)
     _keep_from_rolling(raw, r.AXIS_A, r.TURN_A, r.ON_A, 0, normal, plane)
@@ -44,23 +44,18 @@ def flatten_contact(raw: Any, plane: Vector) -> None:
         else:
             most = max(most, _flatten_point(raw, k, plane, flat, cosine, across))
     if is_floor:
-        _put(raw, r.SOFTNESS, _RIGID)
+        put_vector_of(raw, r.SOFTNESS, _RIGID)
     elif most < _FLOOR:  # round shapes that pass each other
         raw[r.COUNT * _W] = 0.0
         for field in range(r.IMPULSE, r.IMPULSE + 4):
             raw[field * _W] = 0.0
         for field in range(r.FRICTION_IMPULSE, r.TWISTED + 1):
             raw[field * _W] = 0.0
-        _put(raw, r.ROLLED, (0.0, 0.0, 0.0))
+        put_vector_of(raw, r.ROLLED, (0.0, 0.0, 0.0))
     else:
         raw[r.FRICTION * _W] /= most
         raw[r.RESISTANCE * _W] /= most
-    _put(raw, r.NORMAL, flat)
-
-
-@compiled(inline=True)
-def _put(raw: Any, field: int, vector: Vector) -> None:
-    raw[field * _W], raw[(field + 1) * _W], raw[(field + 2) * _W] = vector
+    put_vector_of(raw, r.NORMAL, flat)
 
 
 @compiled(inline=True)
@@ -71,7 +66,7 @@ def _turn(raw: Any, field: int) -> Any:
 @compiled
 def _move(raw: Any, turn: int, point: int, way: Vector) -> None:
     """Move a point, which is given in the frame of its shape, by a way in the world's axes."""
-    _put(raw, point, plus(vector_of(raw, point), turned_back(_turn(raw, turn), way)))
+    put_vector_of(raw, point, plus(vector_of(raw, point), turned_back(_turn(raw, turn), way)))
 
 
 @compiled
@@ -87,7 +82,7 @@ def _keep_from_rolling(raw: Any, axis: int, turn: int, points: int, side: int, o
         at, radius = points + c.ANCHOR_SIZE * k, (r.RADII + c.ANCHOR_SIZE * k + side) * _W
         _move(raw, turn, at, times(raw[radius], radial))
         raw[radius] = 0.0
-    _put(raw, axis, (0.0, 0.0, 0.0))
+    put_vector_of(raw, axis, (0.0, 0.0, 0.0))
 
 
 @compiled(inline=True)

@@ -8,7 +8,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
-from kickdrift.world.contacts.constraint_groups import group_of, lane_count, new_scratch, run
+from kickdrift.world.contacts.constraint_groups import group_of, lane_count, new_scratch, put_vector_of, run, vector_of
 from kickdrift.world.contacts.constraint_inputs import gather
 from kickdrift.world.contacts.graph_colouring import LINKED
 from kickdrift.world.contacts.simd_transpose import fetch_rows
@@ -57,8 +57,7 @@ def prepare(t: float, h: float, world: int) -> None:
 @compiled(inline=True)
 def _write_cores(own: Any, raw: Any) -> None:
     """Write the middles and half axes of the cores of a constraint with a normal that turns."""
-    for k in range(3):
-        own[(c.CORE_A + k) * c.WIDTH] = raw[(r.ARM_A + k) * c.WIDTH]
-        own[(c.CORE_B + k) * c.WIDTH] = raw[(r.ARM_B + k) * c.WIDTH]
-        own[(c.CORE_A + 3 + k) * c.WIDTH] = raw[(r.HALF_A + k) * c.WIDTH]
-        own[(c.CORE_B + 3 + k) * c.WIDTH] = raw[(r.HALF_B + k) * c.WIDTH]
+    put_vector_of(own, c.CORE_A, vector_of(raw, r.ARM_A))
+    put_vector_of(own, c.CORE_B, vector_of(raw, r.ARM_B))
+    put_vector_of(own, c.CORE_A + 3, vector_of(raw, r.HALF_A))
+    put_vector_of(own, c.CORE_B + 3, vector_of(raw, r.HALF_B))

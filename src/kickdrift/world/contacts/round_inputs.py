@@ -9,6 +9,7 @@ from kickdrift.world.collision.shape_properties import core_of
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts import prepare_simd as r
+from kickdrift.world.contacts.constraint_groups import put_vector_of
 from kickdrift.world.contacts.round_cores import are_parallel, half_axis, spin_axis
 from kickdrift.world.layout import ANGULAR_VELOCITY, FRICTION, INVERSE_LINEAR_MASS, POSITION
 from kickdrift.world.material_mixing import mixed_friction
@@ -34,8 +35,7 @@ def gather_spin_axis(world: int, row: int, raw: Any) -> None:
         shape, body = contact[row, c.SHAPE_A + side], contact[row, c.BODY_A + side]
         at, turn = placed_pose(world, shape)
         axis = spin_axis(world, shape, turn, minus(at, vector_at(floats(world, POSE), body, POSITION)))
-    for k in range(3):
-        raw[(r.SPIN_AXIS + k) * c.WIDTH] = axis[k]
+    put_vector_of(raw, r.SPIN_AXIS, axis)
 
 
 @compiled(inline=True)
@@ -69,5 +69,5 @@ def gather_cores(world: int, row: int, turn_a: Quaternion, turn_b: Quaternion, b
         raw[r.COUNT * c.WIDTH] = 1.0
         raw[r.IMPULSE * c.WIDTH] += raw[(r.IMPULSE + 1) * c.WIDTH]
         raw[(r.IMPULSE + 1) * c.WIDTH] = 0.0
-    for k in range(3):
-        raw[(r.HALF_A + k) * c.WIDTH], raw[(r.HALF_B + k) * c.WIDTH] = half_a[k], half_b[k]
+    put_vector_of(raw, r.HALF_A, half_a)
+    put_vector_of(raw, r.HALF_B, half_b)

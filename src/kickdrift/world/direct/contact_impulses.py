@@ -28,7 +28,7 @@ from kickdrift.world.direct.layout import (
     WANTED,
     WRENCH,
 )
-from kickdrift.world.joints.joint_warm_start import push_body
+from kickdrift.world.impulses import push_body
 from kickdrift.world.joints.layout import GAIN
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, floats, integers
 

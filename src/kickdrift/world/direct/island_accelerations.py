@@ -25,7 +25,7 @@ from kickdrift.world.direct.layout import (
     PREDICTION,
 )
 from kickdrift.world.direct.loop_closures import stay_closings
-from kickdrift.world.joints.joint_warm_start import push_body
+from kickdrift.world.impulses import push_body
 from kickdrift.world.joints.layout import ACCELERATION, ANGULAR_PART, GAIN, LINEAR_PART
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, NOTED, floats, integers

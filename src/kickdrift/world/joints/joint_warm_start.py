@@ -6,24 +6,13 @@ from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Vector, applied, cross, dot, plus, times
-from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.core.vectors import cross, dot, plus, times
+from kickdrift.world.columns import vector_at
+from kickdrift.world.impulses import push_body
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_wrenches import geared_body, put_wrenches
 from kickdrift.world.joints.kinematics import relative_velocity
-from kickdrift.world.layout import ANGULAR_VELOCITY, INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
-from kickdrift.world.tables import (
-    ARTICULATION,
-    INVERSE_MASS,
-    JOINT,
-    JOINT_AXES,
-    JOINT_NUMBERS,
-    LINK,
-    MOTION,
-    floats,
-    integers,
-    rows,
-)
+from kickdrift.world.tables import ARTICULATION, JOINT, JOINT_AXES, JOINT_NUMBERS, LINK, floats, integers, rows
 
 
 @compiled
@@ -74,13 +63,3 @@ def _push_geared(world: int, joint: int, impulse: float) -> None:
         push = times(impulse, vector_at(wrenches, 0, 6 * i))
         turn = times(impulse, vector_at(wrenches, 0, 6 * i + 3))
         push_body(world, geared_body(world, joint, i), push, turn)
-
-
-@compiled(inline=True, cached=False)
-def push_body(world: int, body: int, push: Vector, turn: Vector) -> None:
-    """Apply an impulse at the centre of mass and an angular impulse to a body."""
-    motion, inverse_mass = floats(world, MOTION), floats(world, INVERSE_MASS)
-    turned = applied(symmetric_at(inverse_mass, body, INVERSE_INERTIA_IN_WORLD), turn)
-    for k in range(3):
-        motion[body, k] += inverse_mass[body, INVERSE_LINEAR_MASS] * push[k]
-        motion[body, ANGULAR_VELOCITY + k] += turned[k]

@@ -14,6 +14,7 @@ from kickdrift.world.contacts.impacts.moved_contacts import (
     place_now,
     torque_arm,
 )
+from kickdrift.world.impulses import push_body
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     IMPACT_TIME,
@@ -150,14 +151,9 @@ def missing_speed(world: int, hit: Any, point: Any, part: int) -> float:
 @compiled(inline=True)
 def apply_impulse(world: int, hit: Any, impulse: Vector, turn_a: Vector, turn_b: Vector) -> None:
     """Apply an impulse to b and its opposite to a, with the angular impulses `turn_b` and -`turn_a`."""
-    motion, inverse_mass, (a, b) = floats(world, MOTION), floats(world, INVERSE_MASS), bodies_of(world, hit)
-    change_a = applied(symmetric_at(inverse_mass, a, INVERSE_INERTIA_IN_WORLD), turn_a)
-    change_b = applied(symmetric_at(inverse_mass, b, INVERSE_INERTIA_IN_WORLD), turn_b)
-    for k in range(3):
-        motion[a, VELOCITY + k] -= inverse_mass[a, INVERSE_LINEAR_MASS] * impulse[k]
-        motion[b, VELOCITY + k] += inverse_mass[b, INVERSE_LINEAR_MASS] * impulse[k]
-        motion[a, ANGULAR_VELOCITY + k] -= change_a[k]
-        motion[b, ANGULAR_VELOCITY + k] += change_b[k]
+    a, b = bodies_of(world, hit)
+    push_body(world, a, times(-1.0, impulse), times(-1.0, turn_a))
+    push_body(world, b, impulse, turn_b)
 
 
 @compiled(inline=True)
