@@ -11,7 +11,6 @@ from kickdrift.world.columns import quaternion_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.body_gather_simd import gather, gather_inertia
 from kickdrift.world.contacts.constraint_groups import group_of, lane_count, new_scratch, run
-from kickdrift.world.contacts.effective_mass_simd import SLIP_STRICTNESS, TWIST_STRICTNESS
 from kickdrift.world.contacts.impacts.impact_motion import is_moved, way_to
 from kickdrift.world.contacts.prepare_simd import DELTA_POSE_A, FROM_A_TO_B, MARK, TURNED_A, TURNED_B, VELOCITY_A
 from kickdrift.world.layout import (
@@ -78,7 +77,7 @@ def _refresh_hit_group(world: int, h: float, g: int) -> None:
     own, scratch, gaps = group_of(world, g), new_scratch(), carray(floats_on_stack(_GAPS), (_GAPS,))
     n = lane_count(world)
     gather_for_arms(world, g, scratch)
-    find_stale(world, own, scratch)
+    run(world, c.FIND_STALE, own, scratch, 0.0, 0.0, 0.0)
     _put_poses(world, g, scratch)
     for lane in range(n):
         _move_to_impact(world, h, g, lane, scratch)
@@ -122,12 +121,6 @@ def gather_for_arms(world: int, g: int, scratch: Any) -> None:
     gather(world, g, floats(world, MOTION), VELOCITY_A, scratch)
     gather(world, g, floats(world, DELTA_POSE), DELTA_POSE_A, scratch)
     gather_inertia(world, g, scratch)
-
-
-@compiled
-def find_stale(world: int, own: Any, scratch: Any) -> None:
-    """Mark the lanes of a group whose bodies have turned, slid or approached since their arms were computed."""
-    run(world, c.FIND_STALE, own, scratch, TWIST_STRICTNESS, SLIP_STRICTNESS, 0.0)
 
 
 @compiled

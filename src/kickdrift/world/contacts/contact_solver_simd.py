@@ -10,9 +10,8 @@ Between `s` and n are three numbers, whose meanings are those of each kernel:
 - `fill`: the substep, s; instead of the scratch it gets `raw`.
 - `refresh`: slop, m; the substep, s, or 0.0 to keep the gaps.
 - `refresh_friction`: the second is 1.0 if bodies have moved within the step, 0.0 in its preparation.
-- `find_stale`: factors by which turns about the normal, and slides, count more than tilts.
 - `solve_normals`: 1 over the substep, 1/s; 1.0 for the soft sweep with the push, 0.0 for the rigid one; its bound.
-- `solve_friction`, `apply_impulses`, `turn_normals`, `measure_normals`: none.
+- `solve_friction`, `apply_impulses`, `find_stale`, `turn_normals`, `measure_normals`: none.
 """
 
 from typing import Any

@@ -35,11 +35,11 @@ _ANCHORS, _ANCHOR = c.ANCHORS * W, c.ANCHOR_SIZE * W
 
 
 @compiled(fast=True)
-def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int) -> None:
+def find_stale(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
     """Mark lanes whose bodies have turned, slid past each other or approached since their arms were computed.
 
-    Turns about the normal count `twist` times as much as tilts, and slides `slip` times as much as approaches. Arms from before
-    an approach end at two points, and friction would change the angular momentum.
+    Turns about the normal count `TWIST_STRICTNESS` times as much as tilts, and slides `SLIP_STRICTNESS` times as much as
+    approaches. Arms from before an approach end at two points, and friction would change the angular momentum.
     """
     for lane in range(n):
         normal = vector(own, c.N, lane)
@@ -52,12 +52,12 @@ def find_stale(own: Any, s: Any, twist: float, slip: float, none: float, n: int)
         way = plus(minus(way, cross(turn_a, arm_a)), cross(turn_b, arm_b))
         along = dot(normal, way)
         slid = dot(way, way) - along * along
-        twist_a, twist_b, more = dot(normal, turn_a), dot(normal, turn_b), twist * twist - 1.0
+        twist_a, twist_b, more = dot(normal, turn_a), dot(normal, turn_b), TWIST_STRICTNESS**2 - 1.0
         turned_a = dot(turn_a, turn_a) + more * twist_a * twist_a
         turned_b = dot(turn_b, turn_b) + more * twist_b * twist_b
         most, farthest = own[c.MOST_TURN * W + lane], own[c.MOST_SLIDE * W + lane]
         turned = 1.0 if max(turned_a, turned_b) > most * most else 0.0
-        moved = slip * slip * slid + along * along
+        moved = SLIP_STRICTNESS**2 * slid + along * along
         s[MARK * W + lane] = max(turned, 1.0 if moved > farthest * farthest else 0.0)
 
 

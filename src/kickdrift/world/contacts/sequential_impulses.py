@@ -12,7 +12,7 @@ from numba import prange
 from kickdrift.core.compilation import compiled, specialise, unbound
 from kickdrift.core.vectors import cross, plus, times
 from kickdrift.world.contacts import layout as c
-from kickdrift.world.contacts.arm_refresh import find_stale, gather_for_arms, refresh_marked
+from kickdrift.world.contacts.arm_refresh import gather_for_arms, refresh_marked
 from kickdrift.world.contacts.body_gather_simd import add_changes, fetch, gather, gather_inertia, scatter
 from kickdrift.world.contacts.constraint_groups import constraint, group_of, new_scratch, run, vector_of
 from kickdrift.world.contacts.graph_colouring import LINKED, OVERFLOW, is_linked
@@ -86,7 +86,7 @@ def _relax_group(world: int, h: float, g: int) -> None:
     own, scratch = group_of(world, g), new_scratch()
     fetch(world, g)
     gather_for_arms(world, g, scratch)
-    find_stale(world, own, scratch)
+    run(world, c.FIND_STALE, own, scratch, 0.0, 0.0, 0.0)
     refresh_marked(world, h, g, own, scratch)
     if is_linked(world, g):  # the direct solver finds its impulses
         return
