@@ -39,16 +39,16 @@ def fetch(world: int, g: int) -> None:
 def gather(world: int, g: int, table: Any, field: int, scratch: Any) -> None:
     """Copy the first six columns of both bodies of every lane to `field`, those of the second body to `field` + 6."""
     bodies = flat_integers(world, GROUPS)
-    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, field)
-    gather_rows(table, 0, 0, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, field + 6)
+    gather_rows(table, 0, bodies, GROUPS.width * g + c.BODIES_A, scratch, field)
+    gather_rows(table, 0, bodies, GROUPS.width * g + c.BODIES_B, scratch, field + 6)
 
 
 @compiled(inline=True)
 def gather_inertia(world: int, g: int, scratch: Any) -> None:
     """Copy the inverse inertias of both bodies of every lane."""
     bodies, inverse_mass = flat_integers(world, GROUPS), floats(world, INVERSE_MASS)
-    gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_A, scratch, INERTIA_A)
-    gather_rows(inverse_mass, 0, INVERSE_INERTIA_IN_WORLD, 6, bodies, GROUPS.width * g + c.BODIES_B, scratch, INERTIA_B)
+    gather_rows(inverse_mass, INVERSE_INERTIA_IN_WORLD, bodies, GROUPS.width * g + c.BODIES_A, scratch, INERTIA_A)
+    gather_rows(inverse_mass, INVERSE_INERTIA_IN_WORLD, bodies, GROUPS.width * g + c.BODIES_B, scratch, INERTIA_B)
 
 
 @compiled(inline=True)

@@ -21,25 +21,22 @@ _EVEN_PAIRS, _ODD_PAIRS = (0, 1, 4, 5, 8, 9, 12, 13), (2, 3, 6, 7, 10, 11, 14, 1
 
 
 @intrinsic(prefer_literal=True)
-def gather_rows(
-    context: Any, table: Any, column: Any, first: Any, count: Any, rows: Any, begin: Any, lanes: Any, field: Any
-) -> Any:
-    """Copy columns of eight rows of a table to fields of lanes, the first of which is `field`.
+def gather_rows(context: Any, table: Any, first: Any, rows: Any, begin: Any, lanes: Any, field: Any) -> Any:
+    """Copy six columns of eight rows of a table of width eight to fields of lanes, the first of which is `field`.
 
-    Loads eight columns from `column` on, and stores `count` of them from the one with index `first` on; both are constants. The
-    indices of the rows are in `rows`, from `begin` on.
+    `first` is the first of the columns, a constant. The indices of the rows are in `rows`, from `begin` on.
     """
-    chosen = slice(first.literal_value, first.literal_value + count.literal_value)
+    chosen = slice(first.literal_value, first.literal_value + 6)
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        table, column, _, _, rows, begin, lanes, field = values
-        places = _places(context, builder, signature.args, table, column, rows, begin, 4)
+        table, _, rows, begin, lanes, field = values
+        places = _places(context, builder, signature.args, table, _WORD(0), rows, begin, 2)
         vectors = transposed(builder, [builder.load(place, align=8) for place in places])[chosen]
         for k, vector in enumerate(vectors):
-            builder.store(vector, _field(context, builder, signature.args[6], lanes, field, k), align=8)
+            builder.store(vector, _field(context, builder, signature.args[4], lanes, field, k), align=8)
         return context.get_dummy_value()
 
-    return types.none(table, types.int64, first, count, rows, types.int64, lanes, types.int64), generate
+    return types.none(table, first, rows, types.int64, lanes, types.int64), generate
 
 
 @intrinsic

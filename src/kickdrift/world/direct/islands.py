@@ -1,7 +1,5 @@
 """Islands of nodes, their contacts and joints, and the elimination order of their nodes."""
 
-from typing import Any
-
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
@@ -159,10 +157,10 @@ def islands_of_contact(world: int, index: int) -> tuple[int, int]:
 
 
 @compiled(cached=False)
-def _begin_ranges(islands: Any, count: int, first: int, after: int) -> None:
+def _begin_ranges(world: int, first: int, after: int) -> None:
     """Replace the number of items of each island, in the column `after`, by where its items begin, in both columns."""
-    total = 0
-    for island in range(count):
+    islands, total = integers(world, ISLAND), 0
+    for island in range(rows(world, ISLAND)):
         size = islands[island, after]
         islands[island, first], islands[island, after] = total, total
         total += size
@@ -179,7 +177,7 @@ def _sort_contacts(world: int) -> None:
                 islands[island, AFTER_CONTACT] += 1
         if two >= 0:
             unite(islands, GROUP, one, two)
-    _begin_ranges(islands, rows(world, ISLAND), FIRST_CONTACT, AFTER_CONTACT)
+    _begin_ranges(world, FIRST_CONTACT, AFTER_CONTACT)
     for index in range(count):
         for island in islands_of_contact(world, index):
             if island >= 0:
@@ -198,7 +196,7 @@ def _sort_joints(world: int) -> None:
         if island >= 0:
             islands[island, AFTER_JOINT] += articulations[row, END] - articulations[row, FIRST]
             count += articulations[row, END] - articulations[row, FIRST]
-    _begin_ranges(islands, rows(world, ISLAND), FIRST_JOINT, AFTER_JOINT)
+    _begin_ranges(world, FIRST_JOINT, AFTER_JOINT)
     for closing in range(2):
         for island in range(rows(world, ISLAND)):
             islands[island, FIRST_CLOSING] = islands[island, AFTER_JOINT]
@@ -231,7 +229,7 @@ def _sort_nodes(world: int) -> None:
     for row in range(rows(world, LINK)):
         if links[row, ROOT] >= 0:
             islands[links[links[row, ROOT], NODE_ROW], AFTER_NODE] += 1
-    _begin_ranges(islands, rows(world, ISLAND), FIRST_NODE, AFTER_NODE)
+    _begin_ranges(world, FIRST_NODE, AFTER_NODE)
     for row in range(rows(world, LINK) - 1, -1, -1):
         if links[row, ROOT] >= 0:
             island = links[links[row, ROOT], NODE_ROW]

@@ -102,7 +102,7 @@ def _forward_link(world: int, node: int) -> None:
     put_vector(work, link, BIAS_IMPULSE + 3, turn)
     for block in range(begin, end):
         to = nodes[neighbours[block, 0], LINK_ROW]
-        _add_product(blocks, block, LOWER_BLOCK, work, link, GAIN, work, to, BIAS_IMPULSE)
+        _add_product(world, block, LOWER_BLOCK, link, to, BIAS_IMPULSE)
     if parent >= 0:
         above = nodes[parent, LINK_ROW]
         put_vector(work, above, BIAS_IMPULSE, plus(vector_at(work, above, BIAS_IMPULSE), push))
@@ -121,13 +121,14 @@ def _product(m: Any, row: int, at: int, x: tuple[Vector, Vector]) -> Vector:
 
 
 @compiled(inline=True, cached=False, fast=True)
-def _add_product(m: Any, row: int, at: int, x: Any, of: int, source: int, y: Any, to: int, target: int) -> None:
-    """Add the product of a block and six numbers to six others."""
+def _add_product(world: int, block: int, at: int, of: int, to: int, target: int) -> None:
+    """Add the product of a block and the change of velocity of a link to six numbers of another."""
+    blocks, work = floats(world, BLOCK), floats(world, LINK_NUMBERS)
     for i in range(6):
         total = 0.0
-        for j in range(6):
-            total += m[row, at + 6 * i + j] * x[of, source + j]
-        y[to, target + i] += total
+        for k in range(6):
+            total += blocks[block, at + 6 * i + k] * work[of, GAIN + k]
+        work[to, target + i] += total
 
 
 @compiled(cached=False, fast=True)
@@ -151,9 +152,7 @@ def _back_link(world: int, node: int) -> None:
     put_vector(work, link, JOINT_WRENCH, push)
     put_vector(work, link, JOINT_WRENCH + 3, turn)
     for block in range(begin, end):
-        _add_product(
-            blocks, block, UPPER_BLOCK, work, nodes[neighbours[block, 0], LINK_ROW], GAIN, work, link, JOINT_WRENCH
-        )
+        _add_product(world, block, UPPER_BLOCK, nodes[neighbours[block, 0], LINK_ROW], link, JOINT_WRENCH)
     v, w = plus(v, vector_at(work, link, GAIN)), plus(w, vector_at(work, link, GAIN + 3))
     for k in range(5, -1, -1):
         if held >> k & 1:
@@ -177,7 +176,7 @@ def _back_link(world: int, node: int) -> None:
 def _forward_free(world: int, node: int) -> None:
     """Find the change of velocity of a free node if its neighbours do not move, and the loads that it passes on to them."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
-    work, blocks = floats(world, LINK_NUMBERS), floats(world, BLOCK)
+    work = floats(world, LINK_NUMBERS)
     link, begin = nodes[node, LINK_ROW], nodes[node, FIRST_NEIGHBOUR]
     for i in range(6):
         total = -work[link, BIAS_IMPULSE + i]
@@ -191,7 +190,7 @@ def _forward_free(world: int, node: int) -> None:
         work[link, GAIN + i] = total * work[link, ARTICULATED_INERTIA + 7 * i]
     for block in range(begin, begin + nodes[node, NEIGHBOURS]):
         to = nodes[neighbours[block, 0], LINK_ROW]
-        _add_product(blocks, block, LOWER_BLOCK, work, link, GAIN, work, to, BIAS_IMPULSE)
+        _add_product(world, block, LOWER_BLOCK, link, to, BIAS_IMPULSE)
 
 
 @compiled(cached=False, fast=True)
