@@ -1,6 +1,7 @@
 """Active-set method: the equations of an island are solved until the solution lies on the assumed pieces of all laws."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import (
     BOUNCE,
     BOUNCE_FRICTION,
@@ -15,12 +16,11 @@ from kickdrift.world.direct.contact_impulses import give_contacts, predict_conta
 from kickdrift.world.direct.factorisation import factor
 from kickdrift.world.direct.island_velocities import inner_speed
 from kickdrift.world.direct.joint_impulses import give_joints
-from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, HAS_JOINTS, LINK_ROW
 from kickdrift.world.direct.line_search import search_line
 from kickdrift.world.direct.loop_closures import add_closings, load_closings, predict_closings, refine_closings
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
-from kickdrift.world.joints.layout import CLOSING_IMPULSE, LAWS, LINK_JOINT
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.limits_motors import begin_laws, refine_laws, update_law_states
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
 
@@ -76,7 +76,7 @@ def solve_island(world: int, island: int, h: float, ahead: float, task: int, afr
     if ahead < 0.0:
         solve_assumed(world, island, ahead, touched)
         return True
-    heap = integers(world, ISLAND)[island, HAS_JOINTS] == 0
+    heap = integers(world, ISLAND)[island, d.HAS_JOINTS] == 0
     left, whole, found = _HEAP_REFINEMENTS if heap else REFINEMENTS, True, False
     for trial in range(BOUNCE_FRICTION_TRIALS if task == BOUNCE_FRICTION else TRIALS):
         settled = review(world, island, h, task, trial == 0, afresh, touched, whole) and whole and trial > 0
@@ -115,7 +115,7 @@ def factor_island(world: int, island: int, ahead: float, touched: bool) -> None:
     assemble(world, island, ahead)
     if touched:
         add_contacts(world, island)
-    factor(world, integers(world, ISLAND)[island, FIRST_NODE], integers(world, ISLAND)[island, AFTER_NODE])
+    factor(world, integers(world, ISLAND)[island, d.FIRST_NODE], integers(world, ISLAND)[island, d.AFTER_NODE])
 
 
 @compiled(cached=False)
@@ -128,14 +128,14 @@ def refine(world: int, island: int, task: int, touched: bool) -> float:
     joints, worst = integers(world, JOINT), refine_closings(world, island)
     if touched:
         left, noticed = refine_contacts(world, island), _NOTICED_POINT if task < BOUNCE else _NOTICED_HIT
-        noticed = noticed if own[HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
+        noticed = noticed if own[d.HAS_JOINTS] != 0 else _NOTICED_HEAP_POINT
         if left > noticed and task < BOUNCE:
             noticed = max(noticed, _NOTICED_PART * inner_speed(world, island, MOTION))
         worst = max(worst, REFINED / noticed * left)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
         link = order[place, 0]
-        if joints[links[link, LINK_JOINT], LAWS] != 0:
-            worst = max(worst, 1e-2 * refine_laws(world, links[link, LINK_JOINT], link))
+        if joints[links[link, j.LINK_JOINT], j.LAWS] != 0:
+            worst = max(worst, 1e-2 * refine_laws(world, links[link, j.LINK_JOINT], link))
     return worst
 
 
@@ -144,13 +144,13 @@ def predict(world: int, island: int, touched: bool) -> None:
     """Find changes of velocity and impulses of an island with the factored matrix."""
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
     work = floats(world, LINK_NUMBERS)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         for k in range(6):
-            work[nodes[node, LINK_ROW], CLOSING_IMPULSE + k] = 0.0
+            work[nodes[node, d.LINK_ROW], j.CLOSING_IMPULSE + k] = 0.0
     load_closings(world, island)
     if touched:
         load_contacts(world, island)
-    substitute(world, own[FIRST_NODE], own[AFTER_NODE])
+    substitute(world, own[d.FIRST_NODE], own[d.AFTER_NODE])
     predict_closings(world, island)
     if touched:
         predict_contacts(world, island)
@@ -160,9 +160,9 @@ def predict(world: int, island: int, touched: bool) -> None:
 def assemble(world: int, island: int, ahead: float) -> None:
     """Write the matrix of bodies and closing joints, for velocities that act for a time `ahead`."""
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
-    clear_blocks(world, own[FIRST_NODE], own[AFTER_NODE])
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        put_inertia(world, nodes[node, LINK_ROW], ahead)
+    clear_blocks(world, own[d.FIRST_NODE], own[d.AFTER_NODE])
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
+        put_inertia(world, nodes[node, d.LINK_ROW], ahead)
     add_closings(world, island)
 
 
@@ -173,9 +173,9 @@ def review(world: int, island: int, h: float, task: int, first: bool, afresh: bo
     joints, settled = integers(world, JOINT), True
     if touched:
         settled = update_contact_states(world, island, task, first and afresh, whole)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        joint = links[order[place, 0], LINK_JOINT]
-        if joints[joint, LAWS] != 0:
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        joint = links[order[place, 0], j.LINK_JOINT]
+        if joints[joint, j.LAWS] != 0:
             if first:
                 begin_laws(world, joint, order[place, 0], h, phase_of(task))
             settled = update_law_states(world, joint, order[place, 0], first) and settled

@@ -27,32 +27,9 @@ from kickdrift.world.direct.active_set import TRIALS
 from kickdrift.world.direct.contact_active_set import PRESS, REST
 from kickdrift.world.direct.joint_impulses import end_joint, give_joint, turn_on
 from kickdrift.world.direct.loop_closures import write_axis
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_wrenches import mobility_of_gear
 from kickdrift.world.joints.kinematics import put_vector
-from kickdrift.world.joints.layout import (
-    ACCEPTED_DELTA_SPEED,
-    ARM_A,
-    ARM_B,
-    AXES,
-    AXIS_IMPULSE,
-    BODY_A,
-    BODY_B,
-    DELTA_SPEED,
-    END,
-    FIRST,
-    GEARED,
-    HELD_AXES,
-    JOINT_IMPULSE,
-    LAWS,
-    LINEAR,
-    LINK_JOINT,
-    MISALIGNMENT,
-    PRINCIPAL,
-    PUSH,
-    RIGHT_HAND_SIDE,
-    SEQUENTIAL,
-    SLOPE,
-)
 from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, begin_laws, update_law_states
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
@@ -86,20 +63,20 @@ def solve_in_turn(t: float, h: float, world: int) -> None:
     rate = speed / (2.0 * _DAMPING + h * speed)
     share = 1.0 / (1.0 + h * speed * (2.0 * _DAMPING + h * speed))
     for row in range(rows(world, ARTICULATION)):
-        at = articulations[row, FIRST]  # all its joints use one row of LINK_NUMBERS, which stays in the cache
-        for link in range(at, articulations[row, END] if articulations[row, SEQUENTIAL] != 0 else at):
-            joint = links[link, LINK_JOINT]
+        at = articulations[row, j.FIRST]  # all its joints use one row of LINK_NUMBERS, which stays in the cache
+        for link in range(at, articulations[row, j.END] if articulations[row, j.SEQUENTIAL] != 0 else at):
+            joint = links[link, j.LINK_JOINT]
             if joint < 0:
                 continue
             write_right_hand_side(world, joint, at, h, GENTLY)
             for k in range(6):
-                work[at, RIGHT_HAND_SIDE + k] = (1.0 - share) * (
-                    work[at, RIGHT_HAND_SIDE + k] - rate * numbers[joint, MISALIGNMENT + k]
+                work[at, j.RIGHT_HAND_SIDE + k] = (1.0 - share) * (
+                    work[at, j.RIGHT_HAND_SIDE + k] - rate * numbers[joint, j.MISALIGNMENT + k]
                 )
             _solve(world, joint, at, h, BEFORE_DRIFT)
             for k in range(6):
-                if links[at, HELD_AXES] >> k & 1:
-                    work[at, AXIS_IMPULSE + k] -= share * numbers[joint, JOINT_IMPULSE + k]
+                if links[at, j.HELD_AXES] >> k & 1:
+                    work[at, j.AXIS_IMPULSE + k] -= share * numbers[joint, j.JOINT_IMPULSE + k]
             give_joint(world, joint, at, PRESS)
             end_joint(world, joint)
 
@@ -109,25 +86,25 @@ def relax_in_turn(t: float, h: float, world: int) -> None:
     """Project the velocities onto what joints allow at the new poses, one joint after the other, after the drift."""
     articulations, links, joints = integers(world, ARTICULATION), integers(world, LINK), integers(world, JOINT)
     for row in range(rows(world, ARTICULATION)):
-        if articulations[row, SEQUENTIAL] == 0:
+        if articulations[row, j.SEQUENTIAL] == 0:
             continue
-        at = articulations[row, FIRST]
-        for link in range(at, articulations[row, END]):
-            if links[link, LINK_JOINT] >= 0:
-                write_right_hand_side(world, links[link, LINK_JOINT], at, h, RELAX)
-                _solve(world, links[link, LINK_JOINT], at, h, AFTER_DRIFT)
-                give_joint(world, links[link, LINK_JOINT], at, REST)
-        for link in range(at, articulations[row, END]):
-            joint = links[link, LINK_JOINT]
+        at = articulations[row, j.FIRST]
+        for link in range(at, articulations[row, j.END]):
+            if links[link, j.LINK_JOINT] >= 0:
+                write_right_hand_side(world, links[link, j.LINK_JOINT], at, h, RELAX)
+                _solve(world, links[link, j.LINK_JOINT], at, h, AFTER_DRIFT)
+                give_joint(world, links[link, j.LINK_JOINT], at, REST)
+        for link in range(at, articulations[row, j.END]):
+            joint = links[link, j.LINK_JOINT]
             if joint >= 0:
-                turn_on(world, joint, joints[joint, BODY_B], h)
+                turn_on(world, joint, joints[joint, j.BODY_B], h)
 
 
 @compiled(cached=False)
 def _solve(world: int, joint: int, at: int, h: float, phase: int) -> None:
     """Find the impulses of one joint as if it were the only one."""
-    laws, work = integers(world, JOINT)[joint, LAWS], floats(world, LINK_NUMBERS)
-    active = integers(world, LINK)[at, HELD_AXES] | laws
+    laws, work = integers(world, JOINT)[joint, j.LAWS], floats(world, LINK_NUMBERS)
+    active = integers(world, LINK)[at, j.HELD_AXES] | laws
     responses = carray(floats_on_stack(36), (6, 6))
     _find_responses(world, joint, at, active, responses)
     begin_laws(world, joint, at, h, phase)
@@ -137,11 +114,11 @@ def _solve(world: int, joint: int, at: int, h: float, phase: int) -> None:
             break
         _solve_axes(world, at, active, responses)
         for k in range(6):
-            work[at, DELTA_SPEED + k] = 0.0
+            work[at, j.DELTA_SPEED + k] = 0.0
             for other in range(6):
                 if active >> k & 1 and active >> other & 1:
-                    work[at, DELTA_SPEED + k] += responses[k, other] * work[at, AXIS_IMPULSE + other]
-            work[at, ACCEPTED_DELTA_SPEED + k] = work[at, DELTA_SPEED + k]
+                    work[at, j.DELTA_SPEED + k] += responses[k, other] * work[at, j.AXIS_IMPULSE + other]
+            work[at, j.ACCEPTED_DELTA_SPEED + k] = work[at, j.DELTA_SPEED + k]
 
 
 @compiled(cached=False)
@@ -149,20 +126,20 @@ def _find_responses(world: int, joint: int, at: int, active: int, responses: Any
     """Find the changes of speed along each active axis by unit impulses along each, (6, 6)."""
     joints, response, numbers = integers(world, JOINT), floats(world, INVERSE_MASS), floats(world, JOINT_NUMBERS)
     wrenches, moved = carray(floats_on_stack(72), (6, 12)), carray(floats_on_stack(12), (1, 12))
-    if joints[joint, LINEAR] == GEARED:
-        k = joints[joint, PRINCIPAL]
+    if joints[joint, j.LINEAR] == j.GEARED:
+        k = joints[joint, j.PRINCIPAL]
         responses[k, k] = mobility_of_gear(world, joint, at)
         return
     turning = 0.0
     for side in range(2):
         for i in range(3):
-            turning += response[joints[joint, BODY_A + side], INVERSE_INERTIA_IN_WORLD + i]
+            turning += response[joints[joint, j.BODY_A + side], INVERSE_INERTIA_IN_WORLD + i]
     for k in range(6):
         if not active >> k & 1:
             continue
-        write_axis(numbers, joint, AXES, ARM_A, ARM_B, k, wrenches[k])
+        write_axis(numbers, joint, j.AXES, j.ARM_A, j.ARM_B, k, wrenches[k])
         for side in range(2):
-            body, begin = joints[joint, BODY_A + side], 6 * side
+            body, begin = joints[joint, j.BODY_A + side], 6 * side
             for i in range(begin, begin + 3):
                 moved[0, i] = response[body, INVERSE_LINEAR_MASS] * wrenches[k, i]
             turn = vector_at(wrenches, k, begin + 3)
@@ -184,17 +161,17 @@ def _solve_axes(world: int, at: int, active: int, responses: Any) -> None:
     The equation of a held axis prescribes its change of speed, that of an open axis its impulse. Up to the scaling of rows the
     matrix is positive semidefinite, and needs no pivoting.
     """
-    held, work = integers(world, LINK)[at, HELD_AXES], floats(world, LINK_NUMBERS)
+    held, work = integers(world, LINK)[at, j.HELD_AXES], floats(world, LINK_NUMBERS)
     matrix = carray(floats_on_stack(42), (6, 7))
     for k in range(6):
-        work[at, AXIS_IMPULSE + k] = 0.0
+        work[at, j.AXIS_IMPULSE + k] = 0.0
         if not active >> k & 1:
             continue
         is_held = held >> k & 1 != 0
-        for j in range(6):
-            if active >> j & 1:
-                matrix[k, j] = responses[k, j] if is_held else work[at, SLOPE + k] * responses[k, j]
-        matrix[k, 6] = work[at, RIGHT_HAND_SIDE + k] if is_held else work[at, PUSH + k]
+        for m in range(6):
+            if active >> m & 1:
+                matrix[k, m] = responses[k, m] if is_held else work[at, j.SLOPE + k] * responses[k, m]
+        matrix[k, 6] = work[at, j.RIGHT_HAND_SIDE + k] if is_held else work[at, j.PUSH + k]
         matrix[k, k] += 0.0 if is_held else 1.0
     for k in range(6):
         if not active >> k & 1:
@@ -203,15 +180,15 @@ def _solve_axes(world: int, at: int, active: int, responses: Any) -> None:
         for i in range(k):
             if active >> i & 1 and matrix[i, i] > 0.0:
                 share = matrix[k, i] / matrix[i, i]
-                for j in range(i + 1, 7):
-                    if j == 6 or active >> j & 1:
-                        matrix[k, j] -= share * matrix[i, j]
+                for m in range(i + 1, 7):
+                    if m == 6 or active >> m & 1:
+                        matrix[k, m] -= share * matrix[i, m]
         if not matrix[k, k] > _IMPLIED * before:
             matrix[k, k] = 0.0
     for k in range(5, -1, -1):
         if active >> k & 1 and matrix[k, k] > 0.0:
             total = matrix[k, 6]
-            for j in range(k + 1, 6):
-                if active >> j & 1:
-                    total -= matrix[k, j] * work[at, AXIS_IMPULSE + j]
-            work[at, AXIS_IMPULSE + k] = total / matrix[k, k]
+            for m in range(k + 1, 6):
+                if active >> m & 1:
+                    total -= matrix[k, m] * work[at, j.AXIS_IMPULSE + m]
+            work[at, j.AXIS_IMPULSE + k] = total / matrix[k, k]

@@ -9,6 +9,7 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row
 from kickdrift.world.direct.contact_rows import (
     GRIP,
@@ -29,25 +30,6 @@ from kickdrift.world.direct.contact_rows import (
 )
 from kickdrift.world.direct.contact_wrenches import along, wrench_of
 from kickdrift.world.direct.direct_bodies import is_across, mass_of, place_in
-from kickdrift.world.direct.layout import (
-    ACTIVE,
-    AFTER_CONTACT,
-    BOUND,
-    CONTACT_ROWS,
-    CUT,
-    DIRECTION,
-    FIRST_CONTACT,
-    GIVEN,
-    HITS,
-    IMPULSE,
-    NODES,
-    ROW_MASS,
-    SPEED,
-    START,
-    STATE,
-    TANGENT,
-    WANTED,
-)
 from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, IN_IMPACT
 from kickdrift.world.settings import GRAVITY, PUSH_SPEED
 from kickdrift.world.tables import DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, SETTINGS, Table, floats, integers
@@ -90,7 +72,7 @@ def begin_contacts(world: int, island: int, h: float, task: int) -> None:
     own = integers(world, ISLAND)[island]
     order = integers(world, ISLAND_CONTACT)
     fallen, mass = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)), mass_of(world, island)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         weigh(constraint(world, order[k, 0]), contact_row(world, order[k, 0]), fallen if task < BOUNCE else 0.0, mass)
         _begin_contact(world, order[k, 0], island, h, task)
 
@@ -102,12 +84,12 @@ def _begin_contact(world: int, index: int, island: int, h: float, task: int) -> 
     velocity, change = twelve(), twelve()
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
-    numbers[CUT] = 0.0
+    numbers[d.CUT] = 0.0
     for side in range(2):
         body = b if side == 1 else a
-        numbers[NODES + side] = place_in(world, island, body)
+        numbers[d.NODES + side] = place_in(world, island, body)
         if is_across(world, island, body):
-            numbers[CUT] = 1.0 + side
+            numbers[d.CUT] = 1.0 + side
     presses, lever, returned = _begin_points(world, own, numbers, velocity, change, a, b, h, task)
     _begin_friction(world, own, numbers, velocity, a, b, task, presses, lever, returned)
     find_bounds(own, numbers)
@@ -123,27 +105,30 @@ def _begin_points(
     """
     rigid = PRESSING if task == PRESS else RIGID if task == REST else RIGID_BOUNCE
     push, presses, lever, returned = floats(world, SETTINGS)[0, PUSH_SPEED], False, 0.0, 0.0
-    for k in range(TANGENT):
+    for k in range(d.TANGENT):
         at = (c.P + c.POINT_FIELDS * k) * c.WIDTH
         if own[at + c.POINT_MASS * c.WIDTH] <= 0.0:
-            numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
+            numbers[d.ACTIVE + k], numbers[d.GIVEN + k], numbers[d.STATE + k] = 0.0, 0.0, 0.0
             continue
-        speed, given = numbers[SPEED + k], numbers[GIVEN + k]
+        speed, given = numbers[d.SPEED + k], numbers[d.GIVEN + k]
         begin_row(world, own, numbers, k, velocity, a, b, rigid)
         gap = own[at + c.GAP * c.WIDTH] + along(wrench_of(numbers, k), change)
         if task == PRESS:
-            numbers[WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.BIAS_RATE * c.WIDTH] * gap, push)
+            numbers[d.WANTED + k] = -gap / h if gap > 0.0 else min(-own[c.BIAS_RATE * c.WIDTH] * gap, push)
         elif task == REST and (
-            (gap > 0.0 and numbers[IMPULSE + k] == 0.0)
-            or numbers[SPEED + k] < -own[c.BOUNCE_THRESHOLD * c.WIDTH]  # it will bounce in the next substep
+            (gap > 0.0 and numbers[d.IMPULSE + k] == 0.0)
+            or numbers[d.SPEED + k] < -own[c.BOUNCE_THRESHOLD * c.WIDTH]  # it will bounce in the next substep
         ):
-            numbers[ACTIVE + k] = 0.0
+            numbers[d.ACTIVE + k] = 0.0
         elif task >= BOUNCE:
-            numbers[ACTIVE + k] = 1.0 if numbers[HITS + k] >= 0.0 else 0.0
-            numbers[WANTED + k], numbers[IMPULSE + k] = numbers[HITS + k], given if task == BOUNCE_FRICTION else 0.0
-            if task == BOUNCE_FRICTION and numbers[HITS + k] > 0.0:
-                returned = numbers[HITS + k] / (numbers[HITS + k] - speed)
-        presses, lever = presses or numbers[ACTIVE + k] != 0.0, max(lever, own[at + c.LEVER * c.WIDTH])
+            numbers[d.ACTIVE + k] = 1.0 if numbers[d.HITS + k] >= 0.0 else 0.0
+            numbers[d.WANTED + k], numbers[d.IMPULSE + k] = (
+                numbers[d.HITS + k],
+                given if task == BOUNCE_FRICTION else 0.0,
+            )
+            if task == BOUNCE_FRICTION and numbers[d.HITS + k] > 0.0:
+                returned = numbers[d.HITS + k] / (numbers[d.HITS + k] - speed)
+        presses, lever = presses or numbers[d.ACTIVE + k] != 0.0, max(lever, own[at + c.LEVER * c.WIDTH])
     return presses, lever, returned
 
 
@@ -169,17 +154,17 @@ def _begin_friction(
             for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
                 if task == BOUNCE:
                     begin_row(world, own, numbers, k, velocity, a, b, grip)
-                numbers[ACTIVE + k], numbers[GIVEN + k], numbers[STATE + k] = 0.0, 0.0, 0.0
+                numbers[d.ACTIVE + k], numbers[d.GIVEN + k], numbers[d.STATE + k] = 0.0, 0.0, 0.0
             continue
         for k in range(first_row(bound), first_row(bound) + bound_rows(bound)):
-            speed = numbers[SPEED + k]
+            speed = numbers[d.SPEED + k]
             begin_row(world, own, numbers, k, velocity, a, b, grip)
-            numbers[DIRECTION + k] = 0.0
+            numbers[d.DIRECTION + k] = 0.0
             if bound == 0:
-                numbers[WANTED + k] = own[(c.SURFACE_SPEED + k - TANGENT) * c.WIDTH]
+                numbers[d.WANTED + k] = own[(c.SURFACE_SPEED + k - d.TANGENT) * c.WIDTH]
             if task == BOUNCE_FRICTION:
-                numbers[IMPULSE + k] = 0.0
-                numbers[WANTED + k] += returned * (numbers[SPEED + k] - speed)
+                numbers[d.IMPULSE + k] = 0.0
+                numbers[d.WANTED + k] += returned * (numbers[d.SPEED + k] - speed)
         if bound == 2:
             share_stiffness(numbers)
 
@@ -197,11 +182,11 @@ def _is_idle(own: Any, bound: int, reach: float) -> bool:
 def fastest_push(world: int, island: int) -> float:
     """Return the largest speed at which overlapping bodies of an island are to be pushed apart, m/s."""
     own, order, most = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         numbers = contact_row(world, order[k, 0])
-        for i in range(TANGENT):
-            if numbers[ACTIVE + i] != 0.0:
-                most = max(most, numbers[WANTED + i])
+        for i in range(d.TANGENT):
+            if numbers[d.ACTIVE + i] != 0.0:
+                most = max(most, numbers[d.WANTED + i])
     return most
 
 
@@ -209,10 +194,10 @@ def fastest_push(world: int, island: int) -> float:
 def push_less(world: int, island: int, share: float) -> None:
     """Reduce the speeds at which overlapping bodies of an island are to be pushed apart to a share of them."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         numbers = contact_row(world, order[k, 0])
-        for i in range(TANGENT):
-            numbers[WANTED + i] *= share if numbers[WANTED + i] > 0.0 else 1.0
+        for i in range(d.TANGENT):
+            numbers[d.WANTED + i] *= share if numbers[d.WANTED + i] > 0.0 else 1.0
 
 
 @compiled(cached=False, fast=True)
@@ -220,8 +205,8 @@ def is_cut(world: int, island: int) -> bool:
     """Whether an island touches another one that is solved directly."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     cut = False
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
-        cut = cut or contact_row(world, order[k, 0])[CUT] != 0.0
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
+        cut = cut or contact_row(world, order[k, 0])[d.CUT] != 0.0
     return cut
 
 
@@ -229,24 +214,24 @@ def is_cut(world: int, island: int) -> bool:
 def note_impulses(world: int, island: int, back: bool) -> None:
     """Store the impulses with which the substep begins, or, with `back`, restore them."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         numbers, fields = contact_row(world, order[k, 0]), constraint(world, order[k, 0])
-        for i in range(CONTACT_ROWS):
+        for i in range(d.CONTACT_ROWS):
             if back:
-                fields[impulse_field(i) * c.WIDTH] = numbers[START + i]
+                fields[impulse_field(i) * c.WIDTH] = numbers[d.START + i]
             else:
-                numbers[START + i] = fields[impulse_field(i) * c.WIDTH]
+                numbers[d.START + i] = fields[impulse_field(i) * c.WIDTH]
 
 
 @compiled(cached=False, fast=True)
 def update_contact_states(world: int, island: int, task: int, first: bool, whole: bool) -> bool:
     """Assume the pieces of the laws of contacts that the current solution implies; return whether it was found with them."""
     own, order, settled = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         numbers = contact_row(world, order[k, 0])
         settled = update_point_states(numbers, first, whole) and settled
         for bound in range(0 if task in (REST, BOUNCE_FRICTION) else 3, 3):
-            if numbers[ACTIVE + first_row(bound)] != 0.0:
+            if numbers[d.ACTIVE + first_row(bound)] != 0.0:
                 settled = update_bound_states(numbers, bound, first) and settled
     return settled
 
@@ -260,12 +245,12 @@ def bounds_hold(world: int, island: int, task: int, unnoticed: float) -> bool:
     own, order, hold = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), True
     if task not in (REST, BOUNCE_FRICTION):
         return True
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         numbers = contact_row(world, order[k, 0])
-        before = numbers[BOUND]
+        before = numbers[d.BOUND]
         find_bounds(constraint(world, order[k, 0]), numbers)
-        near = max(_NEAR * before, max(SLIPPED, unnoticed) * numbers[ROW_MASS + TANGENT])
-        hold = hold and abs(numbers[BOUND] - before) <= near
+        near = max(_NEAR * before, max(SLIPPED, unnoticed) * numbers[d.ROW_MASS + d.TANGENT])
+        hold = hold and abs(numbers[d.BOUND] - before) <= near
     return hold
 
 
@@ -273,5 +258,5 @@ def bounds_hold(world: int, island: int, task: int, unnoticed: float) -> bool:
 def fix_contacts(world: int, island: int) -> None:
     """Fix the impulses of the contacts of an island to those of the accepted solution, within their bounds."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         fix(constraint(world, order[k, 0]), contact_row(world, order[k, 0]))

@@ -10,34 +10,8 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_wrenches import along, mobility, wrench_of, write_wrench
-from kickdrift.world.direct.layout import (
-    ACCEPTED,
-    ACTIVE,
-    BASE,
-    BORNE,
-    BOUND,
-    CONSTANT,
-    CONTACT_ROWS,
-    CUT,
-    DIRECTION,
-    GIVEN,
-    HELD,
-    IMPULSE,
-    MOVED,
-    OPEN,
-    ROLL,
-    ROW_MASS,
-    SLIDING,
-    SLIDING_PART,
-    SPEED,
-    STATE,
-    STIFFNESS,
-    TANGENT,
-    TWIST,
-    WANTED,
-    WEIGHT,
-)
 
 _W = c.WIDTH
 
@@ -64,11 +38,11 @@ SLIPPED = 1e-4
 @compiled(inline=True, cached=False, fast=True)
 def impulse_field(k: int) -> int:
     """Return the field of a constraint that holds the impulse of a row."""
-    if k < TANGENT:
+    if k < d.TANGENT:
         return c.P + c.POINT_FIELDS * k + c.IMPULSE
-    if k < TWIST:
-        return c.TANGENT_IMPULSE + k - TANGENT
-    return c.TWISTING_IMPULSE if k == TWIST else c.ROLL_IMPULSE + k - ROLL
+    if k < d.TWIST:
+        return c.TANGENT_IMPULSE + k - d.TANGENT
+    return c.TWISTING_IMPULSE if k == d.TWIST else c.ROLL_IMPULSE + k - d.ROLL
 
 
 @compiled(cached=False, fast=True)
@@ -79,12 +53,12 @@ def weigh(own: Any, rows: Any, fallen: float, most: float) -> None:
     zero in a bounce and without gravity.
     """
     total = 0.0
-    for k in range(TANGENT):
+    for k in range(d.TANGENT):
         impulse = own[impulse_field(k) * _W]
-        rows[WEIGHT + k] = BEARING * min(impulse / fallen, most) if fallen > 0.0 else 0.0
-        total += rows[WEIGHT + k]
-    for k in range(TANGENT, TWIST):
-        rows[WEIGHT + k] = BEARING_GRIP * total
+        rows[d.WEIGHT + k] = BEARING * min(impulse / fallen, most) if fallen > 0.0 else 0.0
+        total += rows[d.WEIGHT + k]
+    for k in range(d.TANGENT, d.TWIST):
+        rows[d.WEIGHT + k] = BEARING_GRIP * total
 
 
 @compiled(cached=False, fast=True)
@@ -97,20 +71,20 @@ def begin_row(world: int, own: Any, rows: Any, k: int, velocity: Any, a: int, b:
     wrench = wrench_of(rows, k)
     write_wrench(own, k, wrench)
     of_a, of_b = mobility(world, wrench, a, 0), mobility(world, wrench, b, 1)
-    yielding, other = of_a + of_b, of_a if rows[CUT] == 1.0 else of_b if rows[CUT] == 2.0 else 0.0
-    rows[ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
-    rows[ROW_MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
-    stiff = rigid * (max(1.0, yielding * rows[WEIGHT + k]) if k < TWIST else 1.0)
-    rows[STIFFNESS + k] = 1.0 / (yielding / stiff + other) if yielding > 0.0 else 0.0
-    rows[SPEED + k], rows[IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * _W]
-    rows[WANTED + k], rows[MOVED + k], rows[GIVEN + k], rows[STATE + k] = 0.0, 0.0, 0.0, OPEN
-    rows[ACCEPTED + k], rows[BORNE + k], rows[BASE + k] = 0.0, 0.0, 0.0
+    yielding, other = of_a + of_b, of_a if rows[d.CUT] == 1.0 else of_b if rows[d.CUT] == 2.0 else 0.0
+    rows[d.ACTIVE + k] = 1.0 if yielding > 0.0 else 0.0
+    rows[d.ROW_MASS + k] = 1.0 / yielding if yielding > 0.0 else 0.0
+    stiff = rigid * (max(1.0, yielding * rows[d.WEIGHT + k]) if k < d.TWIST else 1.0)
+    rows[d.STIFFNESS + k] = 1.0 / (yielding / stiff + other) if yielding > 0.0 else 0.0
+    rows[d.SPEED + k], rows[d.IMPULSE + k] = along(wrench, velocity), own[impulse_field(k) * _W]
+    rows[d.WANTED + k], rows[d.MOVED + k], rows[d.GIVEN + k], rows[d.STATE + k] = 0.0, 0.0, 0.0, d.OPEN
+    rows[d.ACCEPTED + k], rows[d.BORNE + k], rows[d.BASE + k] = 0.0, 0.0, 0.0
 
 
 @compiled(inline=True, cached=False, fast=True)
 def first_row(bound: int) -> int:
     """Return the first row of a bound: tangents, twist, rolling."""
-    return TANGENT if bound == 0 else TWIST if bound == 1 else ROLL
+    return d.TANGENT if bound == 0 else d.TWIST if bound == 1 else d.ROLL
 
 
 @compiled(inline=True, cached=False, fast=True)
@@ -122,7 +96,7 @@ def bound_rows(bound: int) -> int:
 @compiled(inline=True, cached=False, fast=True)
 def bound_of(k: int) -> int:
     """Return the bound of a row; -1 for points."""
-    return -1 if k < TANGENT else 0 if k < TWIST else 1 if k == TWIST else 2
+    return -1 if k < d.TANGENT else 0 if k < d.TWIST else 1 if k == d.TWIST else 2
 
 
 @compiled(cached=False, fast=True)
@@ -131,26 +105,28 @@ def share_stiffness(rows: Any) -> None:
 
     In a planar world bodies turn about one axis alone, and hardly or not at all about that of the first row.
     """
-    most = ROLL
-    for k in range(ROLL + 1, ROLL + 3):
-        if rows[ACTIVE + k] != 0.0 and (rows[ACTIVE + most] == 0.0 or rows[ROW_MASS + k] < rows[ROW_MASS + most]):
+    most = d.ROLL
+    for k in range(d.ROLL + 1, d.ROLL + 3):
+        if rows[d.ACTIVE + k] != 0.0 and (
+            rows[d.ACTIVE + most] == 0.0 or rows[d.ROW_MASS + k] < rows[d.ROW_MASS + most]
+        ):
             most = k
-    for number in (ACTIVE, ROW_MASS, STIFFNESS):
-        rows[number + ROLL] = rows[number + most]
+    for number in (d.ACTIVE, d.ROW_MASS, d.STIFFNESS):
+        rows[number + d.ROLL] = rows[number + most]
 
 
 @compiled(cached=False, fast=True)
 def find_bounds(own: Any, rows: Any) -> None:
     """Bound friction, torsion and rolling resistance by the normal impulses of the current solution."""
     normal, lever = 0.0, 0.0
-    for k in range(TANGENT):
-        if rows[ACTIVE + k] != 0.0:
-            carried = max(rows[IMPULSE + k] + rows[GIVEN + k], 0.0)
+    for k in range(d.TANGENT):
+        if rows[d.ACTIVE + k] != 0.0:
+            carried = max(rows[d.IMPULSE + k] + rows[d.GIVEN + k], 0.0)
             normal += carried
             lever += carried * own[(c.P + c.POINT_FIELDS * k + c.LEVER) * _W]
     friction = own[c.FRICTION * _W]
-    rows[BOUND], rows[BOUND + 1] = friction * normal, friction * lever
-    rows[BOUND + 2] = own[c.ROLL_RESISTANCE * _W] * normal
+    rows[d.BOUND], rows[d.BOUND + 1] = friction * normal, friction * lever
+    rows[d.BOUND + 2] = own[c.ROLL_RESISTANCE * _W] * normal
 
 
 @compiled(cached=False, fast=True)
@@ -161,18 +137,18 @@ def update_point_states(rows: Any, first: bool, whole: bool) -> bool:
     would shorten all further steps to nothing.
     """
     settled = True
-    for k in range(TANGENT):
-        if rows[ACTIVE + k] == 0.0:
+    for k in range(d.TANGENT):
+        if rows[d.ACTIVE + k] == 0.0:
             continue
-        missing, stiffness = rows[WANTED + k] - rows[SPEED + k], rows[STIFFNESS + k]
-        pull = rows[ROW_MASS + k] if first else stiffness
-        trial = rows[IMPULSE + k] + rows[BASE + k] + pull * (missing - rows[MOVED + k])
+        missing, stiffness = rows[d.WANTED + k] - rows[d.SPEED + k], rows[d.STIFFNESS + k]
+        pull = rows[d.ROW_MASS + k] if first else stiffness
+        trial = rows[d.IMPULSE + k] + rows[d.BASE + k] + pull * (missing - rows[d.MOVED + k])
         if not first and whole:
-            trial += -MISSED * stiffness if rows[STATE + k] == OPEN else MISSED * rows[ROW_MASS + k]
-        state = HELD if trial > 0.0 else OPEN
-        settled = settled and state == rows[STATE + k]
-        rows[STATE + k] = state
-        rows[CONSTANT + k] = rows[BASE + k] + stiffness * missing if state == HELD else -rows[IMPULSE + k]
+            trial += -MISSED * stiffness if rows[d.STATE + k] == d.OPEN else MISSED * rows[d.ROW_MASS + k]
+        state = d.HELD if trial > 0.0 else d.OPEN
+        settled = settled and state == rows[d.STATE + k]
+        rows[d.STATE + k] = state
+        rows[d.CONSTANT + k] = rows[d.BASE + k] + stiffness * missing if state == d.HELD else -rows[d.IMPULSE + k]
     return settled
 
 
@@ -180,30 +156,30 @@ def update_point_states(rows: Any, first: bool, whole: bool) -> bool:
 def update_bound_states(rows: Any, bound: int, first: bool) -> bool:
     """Assume that friction, torsion or rolling resistance holds or slides; return whether that changes nothing."""
     begin, count = first_row(bound), bound_rows(bound)
-    end, most = begin + count, rows[BOUND + bound]
-    stiffness, was = rows[STIFFNESS + begin], rows[STATE + begin]
-    if most <= MISSED * rows[ROW_MASS + begin]:
+    end, most = begin + count, rows[d.BOUND + bound]
+    stiffness, was = rows[d.STIFFNESS + begin], rows[d.STATE + begin]
+    if most <= MISSED * rows[d.ROW_MASS + begin]:
         for k in range(begin, end):
-            rows[CONSTANT + k], rows[DIRECTION + k] = -rows[IMPULSE + k], 0.0
-        rows[STATE + begin], rows[SLIDING_PART + bound] = SLIDING, 0.0
+            rows[d.CONSTANT + k], rows[d.DIRECTION + k] = -rows[d.IMPULSE + k], 0.0
+        rows[d.STATE + begin], rows[d.SLIDING_PART + bound] = d.SLIDING, 0.0
         return True
-    size = _trial_impulse(rows, begin, end, rows[ROW_MASS + begin] if first else stiffness)
-    state = HELD if size <= most else SLIDING
-    if first and state == SLIDING:
+    size = _trial_impulse(rows, begin, end, rows[d.ROW_MASS + begin] if first else stiffness)
+    state = d.HELD if size <= most else d.SLIDING
+    if first and state == d.SLIDING:
         size = _trial_impulse(rows, begin, end, stiffness)
     off = 0.0
     for k in range(begin, end):
-        within = rows[CONSTANT + k] * min(1.0, most / (size + 1e-300))
-        off = max(off, abs(within - rows[IMPULSE + k] - rows[GIVEN + k]))
-    settled: bool = not first and off <= SLIPPED * rows[ROW_MASS + begin]
-    rows[STATE + begin] = state
-    if state == HELD:
+        within = rows[d.CONSTANT + k] * min(1.0, most / (size + 1e-300))
+        off = max(off, abs(within - rows[d.IMPULSE + k] - rows[d.GIVEN + k]))
+    settled: bool = not first and off <= SLIPPED * rows[d.ROW_MASS + begin]
+    rows[d.STATE + begin] = state
+    if state == d.HELD:
         for k in range(begin, end):
-            rows[CONSTANT + k] = rows[BASE + k] + stiffness * (rows[WANTED + k] - rows[SPEED + k])
-            rows[DIRECTION + k] = 0.0
-        return settled or was == HELD
+            rows[d.CONSTANT + k] = rows[d.BASE + k] + stiffness * (rows[d.WANTED + k] - rows[d.SPEED + k])
+            rows[d.DIRECTION + k] = 0.0
+        return settled or was == d.HELD
     for k in range(begin, end):
-        rows[DIRECTION + k] = rows[CONSTANT + k] / size
+        rows[d.DIRECTION + k] = rows[d.CONSTANT + k] / size
     _slide(rows, bound, most, most / size)
     return settled
 
@@ -213,8 +189,12 @@ def _trial_impulse(rows: Any, begin: int, end: int, stiffness: float) -> float:
     """Write the trial impulse of a bound, before projection, into CONSTANT of its rows, and return its size."""
     square = 0.0
     for k in range(begin, end):
-        trial = rows[IMPULSE + k] + rows[BASE + k] - stiffness * (rows[SPEED + k] + rows[MOVED + k] - rows[WANTED + k])
-        rows[CONSTANT + k] = trial
+        trial = (
+            rows[d.IMPULSE + k]
+            + rows[d.BASE + k]
+            - stiffness * (rows[d.SPEED + k] + rows[d.MOVED + k] - rows[d.WANTED + k])
+        )
+        rows[d.CONSTANT + k] = trial
         square += trial * trial
     return math.sqrt(square)
 
@@ -223,21 +203,21 @@ def _trial_impulse(rows: Any, begin: int, end: int, stiffness: float) -> float:
 def _slide(rows: Any, bound: int, most: float, share: float) -> None:
     """Let rows slide with their largest impulse; `share` of the stiffness is left against changes of its direction."""
     begin, count = first_row(bound), bound_rows(bound)
-    rows[SLIDING_PART + bound] = share
+    rows[d.SLIDING_PART + bound] = share
     for k in range(begin, begin + count):
-        left = rows[MOVED + k]
+        left = rows[d.MOVED + k]
         for j in range(begin, begin + count):
-            left -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
-        turning = rows[STIFFNESS + begin] * share * left
-        rows[CONSTANT + k] = most * rows[DIRECTION + k] - rows[IMPULSE + k] + turning
+            left -= rows[d.DIRECTION + k] * rows[d.DIRECTION + j] * rows[d.MOVED + j]
+        turning = rows[d.STIFFNESS + begin] * share * left
+        rows[d.CONSTANT + k] = most * rows[d.DIRECTION + k] - rows[d.IMPULSE + k] + turning
 
 
 @compiled(cached=False, fast=True)
 def bind_points(rows: Any) -> None:
     """Bound the impulses of points from below: none pulls."""
-    for k in range(TANGENT):
-        if rows[ACTIVE + k] != 0.0:
-            rows[GIVEN + k] = max(rows[GIVEN + k], -rows[IMPULSE + k])
+    for k in range(d.TANGENT):
+        if rows[d.ACTIVE + k] != 0.0:
+            rows[d.GIVEN + k] = max(rows[d.GIVEN + k], -rows[d.IMPULSE + k])
 
 
 @compiled(cached=False, fast=True)
@@ -246,14 +226,14 @@ def bind(rows: Any) -> None:
     bind_points(rows)
     for bound in range(3):
         begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
-        if rows[ACTIVE + begin] == 0.0:
+        if rows[d.ACTIVE + begin] == 0.0:
             continue
-        square, most = 0.0, rows[BOUND + bound]
+        square, most = 0.0, rows[d.BOUND + bound]
         for k in range(begin, end):
-            square += (rows[IMPULSE + k] + rows[GIVEN + k]) ** 2
+            square += (rows[d.IMPULSE + k] + rows[d.GIVEN + k]) ** 2
         share = min(1.0, most / math.sqrt(square)) if square > 0.0 else 0.0
         for k in range(begin, end):
-            rows[GIVEN + k] = share * (rows[IMPULSE + k] + rows[GIVEN + k]) - rows[IMPULSE + k]
+            rows[d.GIVEN + k] = share * (rows[d.IMPULSE + k] + rows[d.GIVEN + k]) - rows[d.IMPULSE + k]
 
 
 @compiled(cached=False, fast=True)
@@ -262,31 +242,31 @@ def fix(own: Any, rows: Any) -> None:
 
     The impulses of the laws at these velocities may be far from them if rows are stiff.
     """
-    for k in range(CONTACT_ROWS):
-        rows[GIVEN + k] = rows[BORNE + k]
+    for k in range(d.CONTACT_ROWS):
+        rows[d.GIVEN + k] = rows[d.BORNE + k]
     find_bounds(own, rows)
     bind(rows)
-    for k in range(CONTACT_ROWS):
-        rows[CONSTANT + k] = rows[GIVEN + k]
-    for k in range(TANGENT):
-        rows[STATE + k] = OPEN
+    for k in range(d.CONTACT_ROWS):
+        rows[d.CONSTANT + k] = rows[d.GIVEN + k]
+    for k in range(d.TANGENT):
+        rows[d.STATE + k] = d.OPEN
     for bound in range(3):
-        rows[STATE + first_row(bound)], rows[SLIDING_PART + bound] = SLIDING, 0.0
+        rows[d.STATE + first_row(bound)], rows[d.SLIDING_PART + bound] = d.SLIDING, 0.0
 
 
 @compiled(cached=False, fast=True)
 def give_of(rows: Any, k: int) -> float:
     """Return the change of impulse along a row in the current solution."""
-    impulse: float = rows[CONSTANT + k]
+    impulse: float = rows[d.CONSTANT + k]
     stiffness, moved, bound = 0.0, 0.0, bound_of(k)
     if bound < 0:
-        if rows[STATE + k] == HELD:
-            stiffness, moved = rows[STIFFNESS + k], rows[MOVED + k]
+        if rows[d.STATE + k] == d.HELD:
+            stiffness, moved = rows[d.STIFFNESS + k], rows[d.MOVED + k]
     else:
         begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
-        stiffness, moved = rows[STIFFNESS + begin], rows[MOVED + k]
-        if rows[STATE + begin] != HELD:
-            stiffness *= rows[SLIDING_PART + bound]
+        stiffness, moved = rows[d.STIFFNESS + begin], rows[d.MOVED + k]
+        if rows[d.STATE + begin] != d.HELD:
+            stiffness *= rows[d.SLIDING_PART + bound]
             for j in range(begin, end):
-                moved -= rows[DIRECTION + k] * rows[DIRECTION + j] * rows[MOVED + j]
+                moved -= rows[d.DIRECTION + k] * rows[d.DIRECTION + j] * rows[d.MOVED + j]
     return impulse - stiffness * moved

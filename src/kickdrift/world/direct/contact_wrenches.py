@@ -8,7 +8,7 @@ from kickdrift.core.vectors import Vector, cross, dot, minus
 from kickdrift.world.columns import point_at, symmetric_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.constraint_groups import vector_of
-from kickdrift.world.direct.layout import ROLL, TANGENT, TWIST, WRENCH
+from kickdrift.world.direct import layout as d
 from kickdrift.world.joints.kinematics import turning
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import INVERSE_MASS, floats
@@ -17,7 +17,7 @@ from kickdrift.world.tables import INVERSE_MASS, floats
 @compiled(inline=True, cached=False, fast=True)
 def wrench_of(rows: Any, k: int) -> Any:
     """Return the wrench of row k of a contact, (12,), as a view."""
-    return rows[WRENCH + 12 * k : WRENCH + 12 * k + 12]
+    return rows[d.WRENCH + 12 * k : d.WRENCH + 12 * k + 12]
 
 
 @compiled(cached=False, fast=True)
@@ -26,16 +26,16 @@ def write_wrench(own: Any, k: int, wrench: Any) -> None:
     n, u = vector_of(own, c.N), vector_of(own, c.T)
     push: Vector = (0.0, 0.0, 0.0)
     turn_a, turn_b = n, n
-    if k < TANGENT:
+    if k < d.TANGENT:
         push = n
         turn_a = vector_of(own, c.P + c.POINT_FIELDS * k + c.ARM)
         turn_b = minus(turn_a, cross(vector_of(own, c.BETWEEN), n))
-    elif k < TWIST:
-        push = u if k == TANGENT else cross(n, u)
+    elif k < d.TWIST:
+        push = u if k == d.TANGENT else cross(n, u)
         turn_a = cross(vector_of(own, c.CENTRE), push)
         turn_b = minus(turn_a, cross(vector_of(own, c.BETWEEN), push))
-    elif k >= ROLL:
-        turn_a = (1.0 if k == ROLL else 0.0, 1.0 if k == ROLL + 1 else 0.0, 1.0 if k == ROLL + 2 else 0.0)
+    elif k >= d.ROLL:
+        turn_a = (1.0 if k == d.ROLL else 0.0, 1.0 if k == d.ROLL + 1 else 0.0, 1.0 if k == d.ROLL + 2 else 0.0)
         turn_b = turn_a
     for i in range(3):
         wrench[i], wrench[3 + i] = -push[i], -turn_a[i]

@@ -3,20 +3,9 @@
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_lookup import bodies_of
-from kickdrift.world.direct.layout import AFTER_NODE, FIRST_NODE, LINK_ROW, NODE_ISLAND
-from kickdrift.world.joints.layout import (
-    JOINED_ROWS,
-    LINK_A,
-    LINK_B,
-    LINK_BODY,
-    LINK_JOINT,
-    NODE_ROW,
-    NONE,
-    PARENT,
-    ROOT,
-    SIGN,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, INVERSE_LINEAR_MASS, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.step.status import ask_for_room
 from kickdrift.world.tables import (
@@ -43,7 +32,7 @@ FARTHEST = 6
 @compiled
 def find_nodes(t: float, h: float, world: int) -> None:
     """Give bodies of unsolved heaps, and free bodies near links, a row of `LINK` for this step."""
-    body, contact, joined = integers(world, BODY), integers(world, CONTACT), integers(world, GRAPH)[0, JOINED_ROWS]
+    body, contact, joined = integers(world, BODY), integers(world, CONTACT), integers(world, GRAPH)[0, j.JOINED_ROWS]
     _remove_nodes(world, joined, rows(world, LINK))
     count = _add_heaps(world, joined)
     if count < 0:
@@ -90,8 +79,8 @@ def _add_node(world: int, row: int, joined: int, count: int) -> bool:
         ask_for_room(world, LINK, count + 64)
         return False
     body[row, LINK_PLACE], body[row, LINK_COUNT] = count + 1, 1
-    links[count, LINK_BODY], links[count, LINK_JOINT], links[count, PARENT] = row, NONE, NONE
-    links[count, SIGN], links[count, LINK_A], links[count, LINK_B] = 1, NONE, NONE
+    links[count, j.LINK_BODY], links[count, j.LINK_JOINT], links[count, j.PARENT] = row, j.NONE, j.NONE
+    links[count, j.SIGN], links[count, j.LINK_A], links[count, j.LINK_B] = 1, j.NONE, j.NONE
     return True
 
 
@@ -116,7 +105,7 @@ def _remove_nodes(world: int, joined: int, count: int) -> None:
     """Remove the rows of `LINK` from `joined` on: those of the last step, or of a stage that is run again."""
     body, links = integers(world, BODY), integers(world, LINK)
     for row in range(joined, count):
-        body[links[row, LINK_BODY], LINK_PLACE], body[links[row, LINK_BODY], LINK_COUNT] = 0, 0
+        body[links[row, j.LINK_BODY], LINK_PLACE], body[links[row, j.LINK_BODY], LINK_COUNT] = 0, 0
     set_rows(world, LINK, joined)
 
 
@@ -124,7 +113,7 @@ def _remove_nodes(world: int, joined: int, count: int) -> None:
 def node_of(world: int, body: int) -> int:
     """Return the row of LINK of a body that is solved directly; -1 for others, and for sleeping ones."""
     row: int = integers(world, BODY)[body, LINK_PLACE] - 1
-    return row if row >= 0 and integers(world, LINK)[row, ROOT] >= 0 else -1
+    return row if row >= 0 and integers(world, LINK)[row, j.ROOT] >= 0 else -1
 
 
 @compiled(cached=False)
@@ -138,8 +127,8 @@ def nodes_of_contact(world: int, index: int) -> tuple[int, int]:
 def place_in(world: int, island: int, body: int) -> int:
     """Return the place of a body in the order of elimination; -1 if it does not belong to the island."""
     link = node_of(world, body)
-    place: int = integers(world, LINK)[link, NODE_ROW] if link >= 0 else -1
-    return place if place >= 0 and integers(world, NODE)[place, NODE_ISLAND] == island else -1
+    place: int = integers(world, LINK)[link, j.NODE_ROW] if link >= 0 else -1
+    return place if place >= 0 and integers(world, NODE)[place, d.NODE_ISLAND] == island else -1
 
 
 @compiled(cached=False)
@@ -151,7 +140,7 @@ def is_across(world: int, island: int, body: int) -> bool:
 @compiled(inline=True)
 def body_of(world: int, node: int) -> int:
     """Return the body of a node."""
-    body: int = integers(world, LINK)[integers(world, NODE)[node, LINK_ROW], LINK_BODY]
+    body: int = integers(world, LINK)[integers(world, NODE)[node, d.LINK_ROW], j.LINK_BODY]
     return body
 
 
@@ -159,6 +148,6 @@ def body_of(world: int, node: int) -> int:
 def mass_of(world: int, island: int) -> float:
     """Return the mass of an island, kg."""
     own, total = integers(world, ISLAND)[island], 0.0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         total += floats(world, INERTIA)[body_of(world, node), MASS]
     return total

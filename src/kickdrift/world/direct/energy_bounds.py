@@ -10,12 +10,12 @@ from kickdrift.core.vectors import length, minus
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.constraint_groups import vector_of
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint
 from kickdrift.world.direct.direct_bodies import is_across, mass_of, node_of
 from kickdrift.world.direct.island_velocities import energy_of
-from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, FIRST_CONTACT, FIRST_JOINT
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.external_work import external_work
-from kickdrift.world.joints.layout import ANGULAR_PART, LINEAR_PART, LINK_JOINT
 from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CONTACT,
@@ -42,8 +42,8 @@ def energy_from_outside(world: int, island: int) -> float:
     """Bound the energy that motors, and bodies and surfaces that no island moves, have added in the substep, J."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     total = energy_driven(world, island, 0.0)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        total += external_work(world, links[order[place, 0], LINK_JOINT])
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        total += external_work(world, links[order[place, 0], j.LINK_JOINT])
     return total
 
 
@@ -65,7 +65,7 @@ def energy_received(world: int, island: int, before: Table) -> float:
     `before` is the table of the velocities before.
     """
     own, order, lost = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         for body in bodies_of(world, order[k, 0]):
             if is_across(world, island, body):
                 less = energy_of(world, body, before, POSE) - energy_of(world, body, MOTION, POSE)
@@ -78,7 +78,7 @@ def driving_speed(world: int, island: int) -> float:
     """Return the largest speed of bodies that an island does not move, at their contacts, and of moving surfaces, m/s."""
     own, order, motion = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), floats(world, MOTION)
     most = 0.0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         fields = constraint(world, order[k, 0])
         most = max(most, abs(fields[c.SURFACE_SPEED * c.WIDTH]), abs(fields[(c.SURFACE_SPEED + 1) * c.WIDTH]))
         bodies, arm = bodies_of(world, order[k, 0]), vector_of(fields, c.CENTRE)
@@ -86,6 +86,6 @@ def driving_speed(world: int, island: int) -> float:
             body = bodies[1] if side == 1 else bodies[0]
             if node_of(world, body) < 0:
                 reach = length(minus(arm, vector_of(fields, c.BETWEEN)) if side == 1 else arm)
-                turn = length(vector_at(motion, body, ANGULAR_PART))
-                most = max(most, length(vector_at(motion, body, LINEAR_PART)) + reach * turn)
+                turn = length(vector_at(motion, body, j.ANGULAR_PART))
+                most = max(most, length(vector_at(motion, body, j.LINEAR_PART)) + reach * turn)
     return most

@@ -12,23 +12,10 @@ change in length, h/2 sum m g . v jumps, and the loss leaves these jumps out.
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import dot
 from kickdrift.world.columns import vector_at
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.direct_bodies import body_of, mass_of
 from kickdrift.world.direct.island_velocities import energy_of
-from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE
-from kickdrift.world.joints.layout import (
-    BODY_A,
-    ENERGY_AT_FIRST,
-    ENERGY_LEFT,
-    JUDGED_SINCE,
-    LAG_AT_FIRST,
-    LAG_LEFT,
-    LAWS,
-    LINEAR_PART,
-    LINK_JOINT,
-    MEAN_LOSS,
-    MOST_KINETIC,
-    TOTAL,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_KIND, DAMPING, HALF_KICK, KICK, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.settings import GRAVITY, SUBSTEPS
 from kickdrift.world.tables import (
@@ -77,33 +64,39 @@ def drift_of_energy(world: int, island: int, t: float, h: float) -> float:
         return 0.0
     half = 0.5 * h / floats(world, SETTINGS)[0, SUBSTEPS]
     kinetic, total, lag = _energies(world, island, half, STARTED_MOTION, STARTED_POSE)
-    began = abs(total - numbers[keeper, ENERGY_LEFT]) > _SAME * max(kinetic, numbers[keeper, MOST_KINETIC])
-    numbers[keeper, LAG_AT_FIRST] += lag - numbers[keeper, LAG_LEFT]  # zero unless the length of substeps has changed
+    began = abs(total - numbers[keeper, j.ENERGY_LEFT]) > _SAME * max(kinetic, numbers[keeper, j.MOST_KINETIC])
+    numbers[keeper, j.LAG_AT_FIRST] += (
+        lag - numbers[keeper, j.LAG_LEFT]
+    )  # zero unless the length of substeps has changed
     kinetic, total, lag = _energies(world, island, half, MOTION, POSE)
-    if began or numbers[keeper, MOST_KINETIC] == 0.0:
-        numbers[keeper, ENERGY_AT_FIRST], numbers[keeper, LAG_AT_FIRST] = total, lag
-        numbers[keeper, MOST_KINETIC], numbers[keeper, MEAN_LOSS], numbers[keeper, JUDGED_SINCE] = 0.0, 0.0, t
-    numbers[keeper, ENERGY_LEFT], numbers[keeper, LAG_LEFT] = total, lag
-    numbers[keeper, MOST_KINETIC] = max(numbers[keeper, MOST_KINETIC], kinetic)
-    lost = numbers[keeper, ENERGY_AT_FIRST] - total
-    shifted = lost + numbers[keeper, LAG_AT_FIRST] - lag
+    if began or numbers[keeper, j.MOST_KINETIC] == 0.0:
+        numbers[keeper, j.ENERGY_AT_FIRST], numbers[keeper, j.LAG_AT_FIRST] = total, lag
+        numbers[keeper, j.MOST_KINETIC], numbers[keeper, j.MEAN_LOSS], numbers[keeper, j.JUDGED_SINCE] = 0.0, 0.0, t
+    numbers[keeper, j.ENERGY_LEFT], numbers[keeper, j.LAG_LEFT] = total, lag
+    numbers[keeper, j.MOST_KINETIC] = max(numbers[keeper, j.MOST_KINETIC], kinetic)
+    lost = numbers[keeper, j.ENERGY_AT_FIRST] - total
+    shifted = lost + numbers[keeper, j.LAG_AT_FIRST] - lag
     loss = max(min(lost, shifted), min(max(lost, shifted), 0.0))
-    numbers[keeper, MEAN_LOSS] += _WEIGHT * (loss - numbers[keeper, MEAN_LOSS])
+    numbers[keeper, j.MEAN_LOSS] += _WEIGHT * (loss - numbers[keeper, j.MEAN_LOSS])
     gravity = vector_at(floats(world, SETTINGS), 0, GRAVITY)
     slow = 0.5 * mass_of(world, island) * (_SLOW * h) ** 2 * dot(gravity, gravity)
-    return numbers[keeper, MEAN_LOSS] / numbers[keeper, MOST_KINETIC] if numbers[keeper, MOST_KINETIC] > slow else 0.0
+    return (
+        numbers[keeper, j.MEAN_LOSS] / numbers[keeper, j.MOST_KINETIC]
+        if numbers[keeper, j.MOST_KINETIC] > slow
+        else 0.0
+    )
 
 
 @compiled(cached=False)
 def forget_drift(world: int, island: int) -> None:
     """Begin anew after this step."""
-    floats(world, JOINT_NUMBERS)[_keeper(world, island), MOST_KINETIC] = 0.0
+    floats(world, JOINT_NUMBERS)[_keeper(world, island), j.MOST_KINETIC] = 0.0
 
 
 @compiled(cached=False)
 def judged_since(world: int, island: int) -> float:
     """Return the time from which on the energy of an island has been compared, s."""
-    since: float = floats(world, JOINT_NUMBERS)[_keeper(world, island), JUDGED_SINCE]
+    since: float = floats(world, JOINT_NUMBERS)[_keeper(world, island), j.JUDGED_SINCE]
     return since
 
 
@@ -111,7 +104,7 @@ def judged_since(world: int, island: int) -> float:
 def _keeper(world: int, island: int) -> int:
     """Return the joint with which an island keeps its energy."""
     order, links = integers(world, ISLAND_JOINT), integers(world, LINK)
-    joint: int = links[order[integers(world, ISLAND)[island, FIRST_JOINT], 0], LINK_JOINT]
+    joint: int = links[order[integers(world, ISLAND)[island, d.FIRST_JOINT], 0], j.LINK_JOINT]
     return joint
 
 
@@ -123,20 +116,20 @@ def _is_conservative(world: int, island: int) -> bool:
     joints, bodies = integers(world, JOINT), integers(world, BODY)
     if rows(world, CLOTH) > 0:
         return False
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         body = body_of(world, node)
         push = 0.0
         for k in range(6):
             push += abs(force[body, k])
         if push + inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
             return False
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        joint = links[order[place, 0], LINK_JOINT]
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        joint = links[order[place, 0], j.LINK_JOINT]
         for side in range(2):
-            if bodies[joints[joint, BODY_A + side], BODY_KIND] == KINEMATIC:
+            if bodies[joints[joint, j.BODY_A + side], BODY_KIND] == KINEMATIC:
                 return False
         for k in range(6):
-            if joints[joint, LAWS] >> k & 1 and floats(world, JOINT_NUMBERS)[joint, TOTAL + k] != 0.0:
+            if joints[joint, j.LAWS] >> k & 1 and floats(world, JOINT_NUMBERS)[joint, j.TOTAL + k] != 0.0:
                 return False
     return True
 
@@ -147,11 +140,11 @@ def _energies(world: int, island: int, half: float, velocities: Table, poses: Ta
     own, gravity = integers(world, ISLAND)[island], vector_at(floats(world, SETTINGS), 0, GRAVITY)
     speeds, places, kicked = floats(world, velocities), floats(world, poses), floats(world, KICKED)
     kinetic, potential, lag = 0.0, 0.0, 0.0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         body = body_of(world, node)
         mass = floats(world, INERTIA)[body, MASS]
         kinetic += energy_of(world, body, velocities, poses)
-        potential -= mass * dot(gravity, vector_at(places, body, LINEAR_PART))
+        potential -= mass * dot(gravity, vector_at(places, body, j.LINEAR_PART))
         if kicked[body, KICK] != HALF_KICK:
-            lag += half * mass * dot(gravity, vector_at(speeds, body, LINEAR_PART))
+            lag += half * mass * dot(gravity, vector_at(speeds, body, j.LINEAR_PART))
     return kinetic, kinetic + potential, lag

@@ -4,12 +4,12 @@ The bounds of the energy that an island receives from outside are those of `kick
 """
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.direct_bodies import mass_of
 from kickdrift.world.direct.energy_bounds import driving_speed, energy_from_outside, energy_received
 from kickdrift.world.direct.island_velocities import fastest, kinetic_energy
-from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, HAS_JOINTS
 from kickdrift.world.direct.substep_estimate import LONG_TURN
-from kickdrift.world.joints.layout import ANGULAR_PART
+from kickdrift.world.joints import layout as j
 from kickdrift.world.tables import ISLAND, KICKED, MOTION, NOTED, integers
 
 # Ratio to which heaps, islands with contacts and fast rotating ones may increase their energy after the drift. Of sixty
@@ -32,7 +32,7 @@ def allowance(world: int, island: int, h: float) -> float:
     Turning by an angle a in the substep adds the fraction a^2 / 2. With a margin of a tenth: distant, spurious solutions have
     more, that of a grid of 4 x 4 balls by a sixth.
     """
-    turn = h * fastest(world, island, NOTED, ANGULAR_PART)
+    turn = h * fastest(world, island, NOTED, j.ANGULAR_PART)
     return 1.1 + 0.6 * min(turn, 1.5) ** 2
 
 
@@ -44,13 +44,13 @@ def gained(world: int, island: int, h: float) -> float:
     substep: such islands are not checked.
     """
     own = integers(world, ISLAND)[island]
-    far = h * fastest(world, island, MOTION, ANGULAR_PART) > LONG_TURN
-    if own[FIRST_CONTACT] == own[AFTER_CONTACT] and not far:
+    far = h * fastest(world, island, MOTION, j.ANGULAR_PART) > LONG_TURN
+    if own[d.FIRST_CONTACT] == own[d.AFTER_CONTACT] and not far:
         return 0.0
     more = kinetic_energy(world, island, MOTION) - KEPT * kinetic_energy(world, island, KICKED)
     if more <= 0.0:
         return more
-    if own[HAS_JOINTS] != 0:
+    if own[d.HAS_JOINTS] != 0:
         return more - energy_from_outside(world, island)
     speed = driving_speed(world, island)
     return more - mass_of(world, island) * (speed * speed + _STILL)

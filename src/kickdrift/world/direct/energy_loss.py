@@ -13,32 +13,14 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import cross, dot, length, minus, plus, product, times, turned
 from kickdrift.world.columns import quaternion_at, vector_at
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.direct.energy_drift import drift_of_energy, forget_drift, judged_since
 from kickdrift.world.direct.island_velocities import energy_of
-from kickdrift.world.direct.layout import AFTER_JOINT, AFTER_NODE, FIRST_JOINT, FIRST_NODE, GIVEN_UP, TOUCHES
 from kickdrift.world.direct.loop_closures import has_loops
 from kickdrift.world.direct.substep_estimate import LONG_TURN, refinement
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.kinematics import axis_unit
-from kickdrift.world.joints.layout import (
-    ANCHOR_B,
-    ANGULAR,
-    ANGULAR_PART,
-    AXES,
-    BODY_A,
-    BODY_B,
-    FRAME_A,
-    HINGE,
-    LAWS,
-    LINEAR,
-    LINEAR_PART,
-    LINK_JOINT,
-    LOWER_LIMIT,
-    PIVOT,
-    POINT,
-    TOTAL,
-    UPPER_LIMIT,
-)
 from kickdrift.world.layout import BODY_KIND, DAMPING, KINEMATIC, MASS, TURN_DAMPING
 from kickdrift.world.settings import (
     FAST_BODY,
@@ -95,13 +77,13 @@ def note_losses(t: float, h: float, world: int) -> None:
     if status[0, WARNING] & TURNS_TOO_FAST:
         return
     for island in range(rows(world, ISLAND)):
-        if islands[island, FIRST_JOINT] == islands[island, AFTER_JOINT]:
+        if islands[island, d.FIRST_JOINT] == islands[island, d.AFTER_JOINT]:
             continue
-        if islands[island, TOUCHES] != 0:
+        if islands[island, d.TOUCHES] != 0:
             forget_drift(world, island)
             continue
         body, rate = _fastest(world, island)
-        far = islands[island, GIVEN_UP] != 0 or rate * substep > LONG_TURN
+        far = islands[island, d.GIVEN_UP] != 0 or rate * substep > LONG_TURN
         judged = JUDGED_TURN_OF_LOOPS if has_loops(world, island) else JUDGED_TURN
         loss, since = drift_of_energy(world, island, t, h), judged_since(world, island)
         found = abs(loss) > MOST and rate * h > RESTING_TURN
@@ -121,9 +103,9 @@ def _fastest(world: int, island: int) -> tuple[int, float]:
     """Return the body of an island that turns the fastest before or after the step, and its rate, rad/s."""
     own = integers(world, ISLAND)[island]
     before, after, most, fastest = floats(world, STARTED_MOTION), floats(world, MOTION), -1.0, 0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         body = body_of(world, node)
-        old, new = vector_at(before, body, ANGULAR_PART), vector_at(after, body, ANGULAR_PART)
+        old, new = vector_at(before, body, j.ANGULAR_PART), vector_at(after, body, j.ANGULAR_PART)
         square = max(dot(old, old), dot(new, new))
         if square > most:
             most, fastest = square, body
@@ -138,7 +120,7 @@ def _loss(world: int, island: int, h: float) -> float:
     """
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     inertia, start, end, least, most = floats(world, INERTIA), 0.0, 0.0, 0.0, 0.0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         body = body_of(world, node)
         energy = energy_of(world, body, STARTED_MOTION, STARTED_POSE)
         start += energy
@@ -146,8 +128,8 @@ def _loss(world: int, island: int, h: float) -> float:
         work = _work(world, body, h)
         least += work[0] - 2.0 * h * max(inertia[body, DAMPING], inertia[body, TURN_DAMPING]) * energy
         most += work[1]
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        work = _work_of_joint(world, links[order[place, 0], LINK_JOINT])
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        work = _work_of_joint(world, links[order[place, 0], j.LINK_JOINT])
         least, most = least + work[0], most + work[1]
     scale = max(max(start, end), max(max(abs(least), abs(most)), TINY))
     lost = (start + least - end) / scale
@@ -160,19 +142,19 @@ def _began_as_joints_allow(world: int, island: int, rate: float) -> bool:
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, numbers, worst = integers(world, JOINT), floats(world, JOINT_NUMBERS), 0.0
     motion, pose = floats(world, STARTED_MOTION), floats(world, STARTED_POSE)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        joint = links[order[place, 0], LINK_JOINT]
-        a, b = joints[joint, BODY_A], joints[joint, BODY_B]
-        arm_b = turned(quaternion_at(pose, b, ANGULAR_PART), vector_at(numbers, joint, ANCHOR_B))
-        arm_a = plus(minus(vector_at(pose, b, LINEAR_PART), vector_at(pose, a, LINEAR_PART)), arm_b)
-        turn_a, turn_b = vector_at(motion, a, ANGULAR_PART), vector_at(motion, b, ANGULAR_PART)
-        v = minus(vector_at(motion, b, LINEAR_PART), vector_at(motion, a, LINEAR_PART))
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        joint = links[order[place, 0], j.LINK_JOINT]
+        a, b = joints[joint, j.BODY_A], joints[joint, j.BODY_B]
+        arm_b = turned(quaternion_at(pose, b, j.ANGULAR_PART), vector_at(numbers, joint, j.ANCHOR_B))
+        arm_a = plus(minus(vector_at(pose, b, j.LINEAR_PART), vector_at(pose, a, j.LINEAR_PART)), arm_b)
+        turn_a, turn_b = vector_at(motion, a, j.ANGULAR_PART), vector_at(motion, b, j.ANGULAR_PART)
+        v = minus(vector_at(motion, b, j.LINEAR_PART), vector_at(motion, a, j.LINEAR_PART))
         v, w = plus(v, minus(cross(turn_b, arm_b), cross(turn_a, arm_a))), minus(turn_b, turn_a)
-        if joints[joint, ANGULAR] == HINGE:
-            frame = product(quaternion_at(pose, a, ANGULAR_PART), quaternion_at(numbers, joint, FRAME_A))
-            axis = turned(frame, axis_unit(joints[joint, PIVOT]))
+        if joints[joint, j.ANGULAR] == j.HINGE:
+            frame = product(quaternion_at(pose, a, j.ANGULAR_PART), quaternion_at(numbers, joint, j.FRAME_A))
+            axis = turned(frame, axis_unit(joints[joint, j.PIVOT]))
             worst = max(worst, length(cross(w, axis)))
-        if joints[joint, LINEAR] == POINT and length(arm_b) > 0.0:
+        if joints[joint, j.LINEAR] == j.POINT and length(arm_b) > 0.0:
             worst = max(worst, length(v) / length(arm_b))
     return worst < _ALLOWED * rate
 
@@ -188,16 +170,16 @@ def _work(world: int, body: int, h: float) -> tuple[float, float]:
     mass, gravity = floats(world, INERTIA)[body, MASS], vector_at(floats(world, SETTINGS), 0, GRAVITY)
     before, after, force = floats(world, STARTED_MOTION), floats(world, MOTION), floats(world, FORCE)
     pose, started = floats(world, POSE), floats(world, STARTED_POSE)
-    way = minus(vector_at(pose, body, LINEAR_PART), vector_at(started, body, LINEAR_PART))
-    turn = vector_at(floats(world, DELTA_POSE), body, ANGULAR_PART)
-    gained = minus(vector_at(after, body, LINEAR_PART), vector_at(before, body, LINEAR_PART))
+    way = minus(vector_at(pose, body, j.LINEAR_PART), vector_at(started, body, j.LINEAR_PART))
+    turn = vector_at(floats(world, DELTA_POSE), body, j.ANGULAR_PART)
+    gained = minus(vector_at(after, body, j.LINEAR_PART), vector_at(before, body, j.LINEAR_PART))
     fall = mass * dot(gravity, way)
     lag = 0.5 * h / floats(world, SETTINGS)[0, SUBSTEPS] * mass * dot(gravity, gained)
     least, most = fall - max(lag, 0.0), fall - min(lag, 0.0)
-    for part in (LINEAR_PART, ANGULAR_PART):
+    for part in (j.LINEAR_PART, j.ANGULAR_PART):
         push = vector_at(force, body, part)
         old, new = h * dot(push, vector_at(before, body, part)), h * dot(push, vector_at(after, body, part))
-        along = dot(push, way if part == LINEAR_PART else turn)
+        along = dot(push, way if part == j.LINEAR_PART else turn)
         least, most = least + min(min(old, new), along), most + max(max(old, new), along)
     return least, most
 
@@ -209,19 +191,24 @@ def _work_of_joint(world: int, joint: int) -> tuple[float, float]:
     There are none for limits, which stop their axis within the step, laws of other axes, and joints to kinematic bodies.
     """
     joints, numbers, laws = integers(world, JOINT), floats(world, JOINT_NUMBERS), floats(world, JOINT_AXES)
-    a, b = joints[joint, BODY_A], joints[joint, BODY_B]
+    a, b = joints[joint, j.BODY_A], joints[joint, j.BODY_B]
     bodies, before, after = integers(world, BODY), floats(world, STARTED_MOTION), floats(world, MOTION)
     least, most = 0.0, 0.0
     if bodies[a, BODY_KIND] == KINEMATIC or bodies[b, BODY_KIND] == KINEMATIC:
         return math.nan, math.nan
     for k in range(6):
-        impulse = numbers[joint, TOTAL + k]
-        if joints[joint, LAWS] >> k & 1 and impulse != 0.0:
+        impulse = numbers[joint, j.TOTAL + k]
+        if joints[joint, j.LAWS] >> k & 1 and impulse != 0.0:
             row = laws[6 * joint + k]
-            if row[LOWER_LIMIT] > -math.inf or row[UPPER_LIMIT] < math.inf or joints[joint, ANGULAR] != HINGE or k < 3:
+            if (
+                row[j.LOWER_LIMIT] > -math.inf
+                or row[j.UPPER_LIMIT] < math.inf
+                or joints[joint, j.ANGULAR] != j.HINGE
+                or k < 3
+            ):
                 return math.nan, math.nan
-            axis = times(impulse, vector_at(numbers, joint, AXES + 3 * k))
-            old = minus(vector_at(before, b, ANGULAR_PART), vector_at(before, a, ANGULAR_PART))
-            new = minus(vector_at(after, b, ANGULAR_PART), vector_at(after, a, ANGULAR_PART))
+            axis = times(impulse, vector_at(numbers, joint, j.AXES + 3 * k))
+            old = minus(vector_at(before, b, j.ANGULAR_PART), vector_at(before, a, j.ANGULAR_PART))
+            new = minus(vector_at(after, b, j.ANGULAR_PART), vector_at(after, a, j.ANGULAR_PART))
             least, most = least + min(dot(axis, old), dot(axis, new)), most + max(dot(axis, old), dot(axis, new))
     return least, most

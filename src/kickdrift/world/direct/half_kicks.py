@@ -14,31 +14,12 @@ be at rest there. Where all bodies are kicked alike and nothing holds them, that
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, times
 from kickdrift.world.columns import symmetric_at, vector_at
-from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_lookup import constraint
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.direct_bodies import body_of
-from kickdrift.world.direct.layout import (
-    AFTER_CONTACT,
-    AFTER_JOINT,
-    AFTER_NODE,
-    FIRST_CONTACT,
-    FIRST_JOINT,
-    FIRST_NODE,
-    LINK_ROW,
-    TANGENT,
-    TOUCHES,
-)
-from kickdrift.world.joints.layout import (
-    DRIVE_DAMPING,
-    DRIVE_STIFFNESS,
-    JOINT_FRICTION,
-    LAWS,
-    LINK_JOINT,
-    MOTOR_MAXIMUM,
-    NONE,
-    PARENT,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import (
     ANGULAR_VELOCITY,
     DAMPING,
@@ -85,11 +66,12 @@ def mark_half_kicks(t: float, h: float, world: int) -> None:
     islands, kicked = integers(world, ISLAND), floats(world, KICKED)
     for island in range(rows(world, ISLAND)):
         own = islands[island]
-        halved = own[FIRST_JOINT] < own[AFTER_JOINT] and not _is_damped(world, island)
+        halved = own[d.FIRST_JOINT] < own[d.AFTER_JOINT] and not _is_damped(world, island)
         halved = halved and (
-            (_is_unloaded(world, island) and _is_passive(world, island)) or (own[TOUCHES] < 2 and _falls(world, island))
+            (_is_unloaded(world, island) and _is_passive(world, island))
+            or (own[d.TOUCHES] < 2 and _falls(world, island))
         )
-        for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+        for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
             kicked[body_of(world, node), KICK] = HALF_KICK if halved else WHOLE_KICK
 
 
@@ -99,7 +81,7 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
     islands, kicked, force = integers(world, ISLAND), floats(world, KICKED), floats(world, FORCE)
     motion, inverse_mass, settings = floats(world, MOTION), floats(world, INVERSE_MASS), floats(world, SETTINGS)
     for island in range(rows(world, ISLAND)):
-        for node in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
+        for node in range(islands[island, d.FIRST_NODE], islands[island, d.AFTER_NODE]):
             body = body_of(world, node)
             if kicked[body, KICK] != HALF_KICK:
                 continue
@@ -118,7 +100,7 @@ def complete_half_kicks(t: float, h: float, world: int) -> None:
 def _is_damped(world: int, island: int) -> bool:
     """Whether a body of an island is damped."""
     own, inertia = integers(world, ISLAND)[island], floats(world, INERTIA)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         body = body_of(world, node)
         if inertia[body, DAMPING] + inertia[body, TURN_DAMPING] != 0.0:
             return True
@@ -129,12 +111,12 @@ def _is_damped(world: int, island: int) -> bool:
 def _is_unloaded(world: int, island: int) -> bool:
     """Whether no contact of an island had an impulse at the end of the last substep: none, or bounces alone."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    if own[TOUCHES] != 0 and own[FIRST_CONTACT] == own[AFTER_CONTACT]:
+    if own[d.TOUCHES] != 0 and own[d.FIRST_CONTACT] == own[d.AFTER_CONTACT]:
         return False
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         fields = constraint(world, order[k, 0])
-        for i in range(TANGENT):
-            if fields[impulse_field(i) * WIDTH] != 0.0:
+        for i in range(d.TANGENT):
+            if fields[impulse_field(i) * c.WIDTH] != 0.0:
                 return False
     return True
 
@@ -144,13 +126,13 @@ def _is_passive(world: int, island: int) -> bool:
     """Whether no joint of an island has a motor, a drive or friction; limits only stop their axis."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, laws = integers(world, JOINT), floats(world, JOINT_AXES)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        joint = links[order[place, 0], LINK_JOINT]
-        if joints[joint, LAWS] == 0:
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        joint = links[order[place, 0], j.LINK_JOINT]
+        if joints[joint, j.LAWS] == 0:
             continue
         for row in range(6 * joint, 6 * joint + 6):
-            drive = laws[row, DRIVE_STIFFNESS] + laws[row, DRIVE_DAMPING]
-            if drive + laws[row, MOTOR_MAXIMUM] + laws[row, JOINT_FRICTION] != 0.0:
+            drive = laws[row, j.DRIVE_STIFFNESS] + laws[row, j.DRIVE_DAMPING]
+            if drive + laws[row, j.MOTOR_MAXIMUM] + laws[row, j.JOINT_FRICTION] != 0.0:
                 return False
     return True
 
@@ -160,10 +142,10 @@ def _falls(world: int, island: int) -> bool:
     """Whether no joint holds an island, and the kick is the same for all of its bodies, as none is damped."""
     own, nodes, links = integers(world, ISLAND)[island], integers(world, NODE), integers(world, LINK)
     force, inverse_mass = floats(world, FORCE), floats(world, INVERSE_MASS)
-    first = body_of(world, own[FIRST_NODE])
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        link, body = nodes[node, LINK_ROW], body_of(world, node)
-        if links[link, PARENT] == NONE and links[link, LINK_JOINT] >= 0:
+    first = body_of(world, own[d.FIRST_NODE])
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
+        link, body = nodes[node, d.LINK_ROW], body_of(world, node)
+        if links[link, j.PARENT] == j.NONE and links[link, j.LINK_JOINT] >= 0:
             return False
         for k in range(3):
             pushed = inverse_mass[body, INVERSE_LINEAR_MASS] * force[body, SUBSTEP_FORCE + k]

@@ -6,7 +6,8 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import times
 from kickdrift.world.collision.body_acceleration import acceleration, angular_acceleration
 from kickdrift.world.columns import point_at
-from kickdrift.world.contacts.layout import WIDTH
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import REST, twelve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint
 from kickdrift.world.direct.contact_rows import impulse_field
@@ -15,18 +16,9 @@ from kickdrift.world.direct.direct_bodies import body_of, node_of, place_in
 from kickdrift.world.direct.island_calls import aim_island, solve
 from kickdrift.world.direct.island_velocities import kinetic_energy, note_velocities, take_back_velocities
 from kickdrift.world.direct.joint_impulses import clear_impulses
-from kickdrift.world.direct.layout import (
-    AFTER_CONTACT,
-    AFTER_NODE,
-    CONTACT_ROWS,
-    FIRST_CONTACT,
-    FIRST_NODE,
-    LINK_ROW,
-    PREDICTION,
-)
 from kickdrift.world.direct.loop_closures import stay_closings
 from kickdrift.world.impulses import push_body
-from kickdrift.world.joints.layout import ACCELERATION, ANGULAR_PART, GAIN, LINEAR_PART
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.tables import ISLAND, ISLAND_CONTACT, LINK_NUMBERS, MOTION, NODE, NOTED, floats, integers
 
@@ -52,23 +44,23 @@ def _find(world: int, island: int, h: float, supported: bool) -> float:
     own, nodes = integers(world, ISLAND)[island], integers(world, NODE)
     work, motion, noted = floats(world, LINK_NUMBERS), floats(world, MOTION), floats(world, NOTED)
     take_back_velocities(world, island)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         body = body_of(world, node)
         free, turn = acceleration(world, body), angular_acceleration(world, body)
         for k in range(3):
-            motion[body, LINEAR_PART + k] += h * free[k]
-            motion[body, ANGULAR_PART + k] += h * turn[k]
+            motion[body, j.LINEAR_PART + k] += h * free[k]
+            motion[body, j.ANGULAR_PART + k] += h * turn[k]
     if supported:
         _push_by_contacts(world, island)
     clear_impulses(world, island)
     aim_island(world, island, h, RELAX)
     stay_closings(world, island)
-    solve(world, island, h, 0.0 if supported else PREDICTION, REST, True, False)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
-        body, link = body_of(world, node), nodes[node, LINK_ROW]
+    solve(world, island, h, 0.0 if supported else d.PREDICTION, REST, True, False)
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
+        body, link = body_of(world, node), nodes[node, d.LINK_ROW]
         for k in range(6):
-            motion[body, k] += (0.0 if supported else work[link, GAIN + k]) - noted[body, k]
-            work[link, ACCELERATION + k] = motion[body, k] / h
+            motion[body, k] += (0.0 if supported else work[link, j.GAIN + k]) - noted[body, k]
+            work[link, j.ACCELERATION + k] = motion[body, k] / h
     return kinetic_energy(world, island, MOTION)
 
 
@@ -76,10 +68,10 @@ def _find(world: int, island: int, h: float, supported: bool) -> float:
 def _push_by_contacts(world: int, island: int) -> None:
     """Apply the impulses of the contacts on which bodies of an island rest."""
     own, order, wrench = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), twelve()
-    for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for place in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         fields, (a, b) = constraint(world, order[place, 0]), bodies_of(world, order[place, 0])
-        for row in range(CONTACT_ROWS):
-            impulse = fields[impulse_field(row) * WIDTH]
+        for row in range(d.CONTACT_ROWS):
+            impulse = fields[impulse_field(row) * c.WIDTH]
             if impulse == 0.0:
                 continue
             write_wrench(fields, row, wrench)
@@ -101,4 +93,4 @@ def read_accelerations(world: int, island: int, a: int, b: int, numbers: Any) ->
             numbers[6 * side + k], numbers[6 * side + 3 + k] = free[k], turn[k]
         if place_in(world, island, body) >= 0:
             for k in range(6):
-                numbers[6 * side + k] = work[link, ACCELERATION + k]
+                numbers[6 * side + k] = work[link, j.ACCELERATION + k]

@@ -21,6 +21,7 @@ from kickdrift.world.collision.continuous.missed_contacts import drop_paths
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
 from kickdrift.world.contacts.impacts.struck_bodies import strikes
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import BOUNCE, BOUNCE_FRICTION, read_both, twelve
 from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row, row_of
 from kickdrift.world.direct.contact_rows import impulse_field
@@ -38,8 +39,7 @@ from kickdrift.world.direct.island_velocities import (
 )
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import clear_impulses
-from kickdrift.world.direct.layout import AFTER_CONTACT, CONTACT_ROWS, FIRST_CONTACT, HAS_JOINTS, HITS, TANGENT
-from kickdrift.world.joints.layout import ANGULAR_PART
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.right_hand_side import RELAX
 from kickdrift.world.step.status import DO_LINKAGE_IN_PARTS, HALVINGS, MOST_HALVINGS, OK, STATUS
 from kickdrift.world.tables import CONTACT, DELTA_POSE, ISLAND, ISLAND_CONTACT, MOTION, STEP_STATUS, integers
@@ -69,13 +69,13 @@ def bounce_islands(t: float, h: float, world: int) -> None:
 def _whirls(world: int, island: int, h: float) -> bool:
     """Whether the bodies of a linkage that has bounced in the step turn too far in a substep to keep its energy."""
     own, order, bounced = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), False
-    if own[HAS_JOINTS] == 0:  # free bodies rotate exactly
+    if own[d.HAS_JOINTS] == 0:  # free bodies rotate exactly
         return False
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         row = row_of(world, order[k, 0])
         hit = integers(world, CONTACT)[row, c.CONTACT_STATE] & c.BOUNCED != 0
         bounced = bounced or (hit and restitution_of(world, row) > 0.0)
-    return bounced and h * fastest(world, island, MOTION, ANGULAR_PART) > _WHIRL
+    return bounced and h * fastest(world, island, MOTION, j.ANGULAR_PART) > _WHIRL
 
 
 @compiled(cached=False)
@@ -106,7 +106,7 @@ def _resolve_impacts(world: int, island: int, h: float) -> bool:
 def _leave_impacts(world: int, island: int) -> None:
     """Let the solution of the substep stop all points of an island, and not only those too slow to bounce in the next one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         constraint(world, order[k, 0])[c.BOUNCE_THRESHOLD * c.WIDTH] = 1e300
 
 
@@ -115,9 +115,9 @@ def _find_hits(world: int, island: int, h: float) -> bool:
     """Mark the points of an island that hit; return whether any does."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     contact, found, struck = integers(world, CONTACT), False, False
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         struck = struck or strikes(world, row_of(world, order[k, 0]))
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         row = row_of(world, order[k, 0])
         if _hits(world, order[k, 0], restitution_of(world, row) > 0.0 or struck, h):
             contact[row, c.CONTACT_STATE] |= c.BOUNCED
@@ -136,8 +136,8 @@ def _hits(world: int, index: int, may_hit: bool, h: float) -> bool:
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
     hit = False
-    for k in range(TANGENT):
-        numbers[HITS + k] = -1.0
+    for k in range(d.TANGENT):
+        numbers[d.HITS + k] = -1.0
         i = (c.P + c.POINT_FIELDS * k) * c.WIDTH
         if not may_hit or own[i + c.POINT_MASS * c.WIDTH] == 0.0:
             continue
@@ -145,13 +145,13 @@ def _hits(world: int, index: int, may_hit: bool, h: float) -> bool:
         gap = own[i + c.GAP * c.WIDTH] + along(wrench, change)
         speed = along(wrench, velocity)
         if speed < -slowest and gap + 2.0 * h * speed <= 0.0:
-            numbers[HITS + k] = 0.0
+            numbers[d.HITS + k] = 0.0
             # The solution of the substep would stop a point that forces bring to the surface within it.
             hit = hit or gap + h * (speed - h * closing) <= 0.0
-    for k in range(TANGENT):
-        numbers[HITS + k] = numbers[HITS + k] if hit else -1.0
+    for k in range(d.TANGENT):
+        numbers[d.HITS + k] = numbers[d.HITS + k] if hit else -1.0
     if hit:
-        for k in range(CONTACT_ROWS):
+        for k in range(d.CONTACT_ROWS):
             own[impulse_field(k) * c.WIDTH] = 0.0
     return hit
 
@@ -164,7 +164,7 @@ def _find_speeds(world: int, island: int) -> None:
     """
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     velocity, change, forced, wrench = twelve(), twelve(), twelve(), twelve()
-    for place in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for place in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         index = order[place, 0]
         a, b = bodies_of(world, index)
         fields, numbers, e = (
@@ -175,10 +175,10 @@ def _find_speeds(world: int, island: int) -> None:
         read_both(world, MOTION, a, b, velocity)
         read_both(world, DELTA_POSE, a, b, change)
         read_accelerations(world, island, a, b, forced)
-        for k in range(TANGENT):
-            if numbers[HITS + k] < 0.0:
+        for k in range(d.TANGENT):
+            if numbers[d.HITS + k] < 0.0:
                 continue
             write_wrench(fields, k, wrench)
             gap = fields[(c.P + c.POINT_FIELDS * k + c.GAP) * c.WIDTH] + along(wrench, change)
             speed, gained = along(wrench, velocity), -2.0 * along(wrench, forced) * max(gap, 0.0)
-            numbers[HITS + k] = math.sqrt(max(e * e * (speed * speed + gained) - gained, 0.0))
+            numbers[d.HITS + k] = math.sqrt(max(e * e * (speed * speed + gained) - gained, 0.0))

@@ -13,6 +13,7 @@ the drift too, and the poses of bodies are corrected.
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import (
     PRESS,
     begin_contacts,
@@ -34,9 +35,8 @@ from kickdrift.world.direct.island_velocities import (
 )
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_solution
-from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, GIVEN_UP, HAS_JOINTS, LOST, RATIO
 from kickdrift.world.direct.loop_closures import begin_closings, has_loops, stay_closings
-from kickdrift.world.joints.layout import LINEAR_PART
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.right_hand_side import AHEAD, GENTLY
 from kickdrift.world.settings import RESIDUAL
 from kickdrift.world.tables import ISLAND, KICKED, MOTION, SETTINGS, floats, integers
@@ -70,11 +70,11 @@ def solve_islands(t: float, h: float, world: int) -> None:
     for island in range(direct_islands(world)):
         note_velocities(world, island)
         note_impulses(world, island, False)
-        islands[island, LOST] = 0
-        if islands[island, HAS_JOINTS] == 0:
+        islands[island, d.LOST] = 0
+        if islands[island, d.HAS_JOINTS] == 0:
             _press(world, island, h)
             continue
-        off = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
+        off = islands[island, d.RATIO] * aim_island(world, island, h, AHEAD)
         if not (off <= POOR and _approach(world, island, h, off) <= NEAR) or _is_wild(world, island, h):
             _solve_carefully(world, island, h)
     for island in range(direct_islands(world)):
@@ -108,9 +108,9 @@ def _press(world: int, island: int, h: float) -> None:
         if trial == 2:
             push_less(world, island, share)
         else:
-            most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + fastest_push(world, island))
+            most = WILD * (fastest(world, island, KICKED, j.LINEAR_PART) + fastest_push(world, island))
         solve(world, island, h, h, PRESS, True, True)
-        reached = fastest(world, island, MOTION, LINEAR_PART)
+        reached = fastest(world, island, MOTION, j.LINEAR_PART)
         if reached <= most:
             return
         share = 0.5 * most / reached if reached < math.inf else 0.0
@@ -124,10 +124,10 @@ def _is_wild(world: int, island: int, h: float) -> bool:
     So are those of a solution in which contacts press against limits of joints: it threw jammed limbs up by 13 cm in a substep.
     """
     own = integers(world, ISLAND)[island]
-    if own[FIRST_CONTACT] == own[AFTER_CONTACT]:
+    if own[d.FIRST_CONTACT] == own[d.AFTER_CONTACT]:
         return False
-    most = WILD * (fastest(world, island, KICKED, LINEAR_PART) + fastest_push(world, island))
-    if fastest(world, island, MOTION, LINEAR_PART) <= most:
+    most = WILD * (fastest(world, island, KICKED, j.LINEAR_PART) + fastest_push(world, island))
+    if fastest(world, island, MOTION, j.LINEAR_PART) <= most:
         return False
     bound = allowance(world, island, h) * kinetic_energy(world, island, KICKED) + energy_given(world, island)
     return bool(kinetic_energy(world, island, MOTION) > bound)
@@ -139,13 +139,13 @@ def _close(world: int, island: int) -> float:
     own = integers(world, ISLAND)[island]
     if has_loops(world, island):
         return CLOSE_LOOPS
-    return CLOSE_TOUCHING if own[AFTER_CONTACT] > own[FIRST_CONTACT] else CLOSE
+    return CLOSE_TOUCHING if own[d.AFTER_CONTACT] > own[d.FIRST_CONTACT] else CLOSE
 
 
 @compiled(cached=False)
 def _approach(world: int, island: int, h: float, off: float) -> float:
     """Do up to ROUNDS steps of Newton's method, and return the error of joints times the mass ratio; infinity on failure."""
-    ratio, closed, close = integers(world, ISLAND)[island, RATIO], has_loops(world, island), _close(world, island)
+    ratio, closed, close = integers(world, ISLAND)[island, d.RATIO], has_loops(world, island), _close(world, island)
     for step in range(ROUNDS):
         begin_closings(world, island)
         begin_contacts(world, island, h, PRESS)
@@ -163,8 +163,8 @@ def _solve_carefully(world: int, island: int, h: float) -> None:
     islands = integers(world, ISLAND)
     project(world, island, h, GENTLY, PRESS)
     energy = kinetic_energy(world, island, MOTION)
-    begun = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
-    bound = FAR * islands[island, RATIO]
+    begun = islands[island, d.RATIO] * aim_island(world, island, h, AHEAD)
+    bound = FAR * islands[island, d.RATIO]
     if has_loops(world, island):
         bound = min(bound, max(begun / FEWER, NEAR))
     if not (
@@ -172,8 +172,8 @@ def _solve_carefully(world: int, island: int, h: float) -> None:
         and not _is_wild(world, island, h)
         and kinetic_energy(world, island, MOTION) <= allowance(world, island, h) * energy + energy_given(world, island)
     ):
-        islands[island, LOST] = 1
-        islands[island, GIVEN_UP] += 1
+        islands[island, d.LOST] = 1
+        islands[island, d.GIVEN_UP] += 1
         project(world, island, h, GENTLY, PRESS)
         if _is_wild(world, island, h):
             begin_from_kick(world, island)
@@ -187,8 +187,8 @@ def _solve_joints(world: int, island: int, h: float) -> None:
     If it is negligible, which it is for two fifths of the ragdolls in a heap, since neighbours have hardly pushed, not at all.
     """
     islands = integers(world, ISLAND)
-    off = islands[island, RATIO] * aim_island(world, island, h, AHEAD)
-    near = off <= POOR and islands[island, LOST] == 0
+    off = islands[island, d.RATIO] * aim_island(world, island, h, AHEAD)
+    near = off <= POOR and islands[island, d.LOST] == 0
     if near and off <= _close(world, island):
         return
     if near:

@@ -9,12 +9,12 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import applied, dot, plus, times, turned_back
 from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import note_impulses
 from kickdrift.world.direct.contact_impulses import forget_contacts
 from kickdrift.world.direct.contact_lookup import bodies_of
 from kickdrift.world.direct.direct_bodies import body_of, is_across
-from kickdrift.world.direct.layout import AFTER_CONTACT, AFTER_JOINT, AFTER_NODE, FIRST_CONTACT, FIRST_JOINT, FIRST_NODE
-from kickdrift.world.joints.layout import ANGULAR_PART, JOINT_IMPULSE, LINEAR_PART, LINK_JOINT, SOLVED
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_INERTIA, MASS
 from kickdrift.world.tables import (
     INERTIA,
@@ -37,7 +37,7 @@ from kickdrift.world.tables import (
 def kinetic_energy(world: int, island: int, velocities: Table) -> float:
     """Return the kinetic energy of an island with the velocities of a table, J."""
     own, total = integers(world, ISLAND)[island], 0.0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         total += energy_of(world, body_of(world, node), velocities, POSE)
     return total
 
@@ -46,10 +46,10 @@ def kinetic_energy(world: int, island: int, velocities: Table) -> float:
 def inner_speed(world: int, island: int, velocities: Table) -> float:
     """Return the speed of an island whose kinetic energy in its centre-of-mass frame is m v^2 / 2, m/s."""
     own, mass, momentum = integers(world, ISLAND)[island], 0.0, (0.0, 0.0, 0.0)
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         body = body_of(world, node)
         mass += floats(world, INERTIA)[body, MASS]
-        velocity = vector_at(floats(world, velocities), body, LINEAR_PART)
+        velocity = vector_at(floats(world, velocities), body, j.LINEAR_PART)
         momentum = plus(momentum, times(floats(world, INERTIA)[body, MASS], velocity))
     energy = kinetic_energy(world, island, velocities) - 0.5 * dot(momentum, momentum) / mass
     return math.sqrt(2.0 * max(energy, 0.0) / mass)
@@ -59,8 +59,10 @@ def inner_speed(world: int, island: int, velocities: Table) -> float:
 def energy_of(world: int, body: int, velocities: Table, poses: Table) -> float:
     """Return the kinetic energy of a body with the velocity and the pose of two tables, J."""
     speeds, inertia = floats(world, velocities), floats(world, INERTIA)
-    v = vector_at(speeds, body, LINEAR_PART)
-    turn = turned_back(quaternion_at(floats(world, poses), body, ANGULAR_PART), vector_at(speeds, body, ANGULAR_PART))
+    v = vector_at(speeds, body, j.LINEAR_PART)
+    turn = turned_back(
+        quaternion_at(floats(world, poses), body, j.ANGULAR_PART), vector_at(speeds, body, j.ANGULAR_PART)
+    )
     moments = symmetric_at(inertia, body, BODY_INERTIA)
     energy: float = 0.5 * (inertia[body, MASS] * dot(v, v) + dot(turn, applied(moments, turn)))
     return energy
@@ -70,7 +72,7 @@ def energy_of(world: int, body: int, velocities: Table, poses: Table) -> float:
 def fastest(world: int, island: int, velocities: Table, part: int) -> float:
     """Return the largest speed, m/s, or angular speed, rad/s, of a body of an island, with the velocities of a table."""
     own, speeds, most = integers(world, ISLAND)[island], floats(world, velocities), 0.0
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         v = vector_at(speeds, body_of(world, node), part)
         most = max(most, dot(v, v))
     return math.sqrt(most)
@@ -97,17 +99,17 @@ def begin_from_kick(world: int, island: int) -> None:
     numbers = floats(world, JOINT_NUMBERS)
     forget_contacts(world, island)
     _copy(world, island, KICKED, MOTION)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        joint = links[order[place, 0], LINK_JOINT]
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        joint = links[order[place, 0], j.LINK_JOINT]
         for k in range(6):
-            numbers[joint, JOINT_IMPULSE + k], numbers[joint, SOLVED + k] = 0.0, 0.0
+            numbers[joint, j.JOINT_IMPULSE + k], numbers[joint, j.SOLVED + k] = 0.0, 0.0
 
 
 @compiled(cached=False)
 def _copy(world: int, island: int, source: Table, target: Table) -> None:
     """Copy the velocities of an island from one table to another."""
     own = integers(world, ISLAND)[island]
-    for node in range(own[FIRST_NODE], own[AFTER_NODE]):
+    for node in range(own[d.FIRST_NODE], own[d.AFTER_NODE]):
         _copy_of(world, body_of(world, node), source, target)
 
 
@@ -115,7 +117,7 @@ def _copy(world: int, island: int, source: Table, target: Table) -> None:
 def _copy_across(world: int, island: int, source: Table, target: Table) -> None:
     """Copy the velocities of bodies of other islands that the contacts of an island push."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         for body in bodies_of(world, order[k, 0]):
             if is_across(world, island, body):
                 _copy_of(world, body, source, target)
@@ -142,7 +144,7 @@ def restore_impulses(world: int, island: int) -> None:
     """Restore the impulses with which the joints of an island begin the substep."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     numbers = floats(world, JOINT_NUMBERS)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
-        joint = links[order[place, 0], LINK_JOINT]
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        joint = links[order[place, 0], j.LINK_JOINT]
         for k in range(6):
-            numbers[joint, JOINT_IMPULSE + k] = numbers[joint, SOLVED + k]
+            numbers[joint, j.JOINT_IMPULSE + k] = numbers[joint, j.SOLVED + k]

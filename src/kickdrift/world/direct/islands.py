@@ -2,43 +2,14 @@
 
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
-from kickdrift.world.contacts.layout import BODY_A as CONTACT_A
-from kickdrift.world.contacts.layout import BODY_B as CONTACT_B
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_lookup import linked_contacts
 from kickdrift.world.direct.direct_bodies import body_of, nodes_of_contact
-from kickdrift.world.direct.layout import (
-    AFTER_CONTACT,
-    AFTER_JOINT,
-    AFTER_NODE,
-    FIRST_CLOSING,
-    FIRST_CONTACT,
-    FIRST_JOINT,
-    FIRST_NODE,
-    GROUP,
-    HAS_JOINTS,
-    LINK_ROW,
-    LOST,
-    NODE_ISLAND,
-    RATIO,
-    TOUCHES,
-)
 from kickdrift.world.direct.ordering import order_nodes
 from kickdrift.world.direct.unconverged_heaps import LARGEST as HEAP_LARGEST
 from kickdrift.world.disjoint_sets import first_of, unite
-from kickdrift.world.joints.layout import (
-    CLOSINGS,
-    DIRECT_ISLANDS,
-    END,
-    FIRST,
-    ISLAND_ROOM,
-    ISLAND_SIZE,
-    LINK_BODY,
-    LINK_JOINT,
-    LINKS,
-    NODE_ROW,
-    NONE,
-    ROOT,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import LINK_PLACE, MASS
 from kickdrift.world.step.status import has_room
 from kickdrift.world.tables import (
@@ -83,14 +54,14 @@ def find_islands(t: float, h: float, world: int) -> None:
     count = 0
     for in_turn in (False, True):
         for row in range(rows(world, LINK)):
-            if links[row, ROOT] == row and (body[links[row, LINK_BODY], LINK_PLACE] < 0) == in_turn:
-                links[row, NODE_ROW] = count
+            if links[row, j.ROOT] == row and (body[links[row, j.LINK_BODY], LINK_PLACE] < 0) == in_turn:
+                links[row, j.NODE_ROW] = count
                 for column in range(ISLAND.width):
                     islands[count, column] = 0
-                islands[count, GROUP] = count
+                islands[count, d.GROUP] = count
                 count += 1
         if not in_turn:
-            integers(world, GRAPH)[0, DIRECT_ISLANDS] = count
+            integers(world, GRAPH)[0, j.DIRECT_ISLANDS] = count
     set_rows(world, ISLAND, count)
     _sort_contacts(world)
     _sort_joints(world)
@@ -107,7 +78,7 @@ def find_islands(t: float, h: float, world: int) -> None:
 @compiled(inline=True)
 def direct_islands(world: int) -> int:
     """Return how many islands are solved directly: the first ones."""
-    count: int = integers(world, GRAPH)[0, DIRECT_ISLANDS]
+    count: int = integers(world, GRAPH)[0, j.DIRECT_ISLANDS]
     return count
 
 
@@ -117,30 +88,30 @@ def _unite_nodes(world: int) -> int:
     links, articulations = integers(world, LINK), integers(world, ARTICULATION)
     joined, n = 0, 0
     for row in range(rows(world, LINK)):
-        links[row, ROOT] = NONE
+        links[row, j.ROOT] = j.NONE
     for row in range(rows(world, ARTICULATION)):
-        first, end = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
-        joined = max(joined, end + articulations[row, CLOSINGS])
-        if articulations[row, END] > first:
-            links[first, ISLAND_SIZE], links[first, ISLAND_ROOM] = end - first, max(LARGEST, 2 * (end - first))
+        first, end = articulations[row, j.FIRST], articulations[row, j.FIRST] + articulations[row, j.LINKS]
+        joined = max(joined, end + articulations[row, j.CLOSINGS])
+        if articulations[row, j.END] > first:
+            links[first, j.ISLAND_SIZE], links[first, j.ISLAND_ROOM] = end - first, max(LARGEST, 2 * (end - first))
             for link in range(first, end):
-                links[link, ROOT] = first
+                links[link, j.ROOT] = first
                 n += 1
     for row in range(joined, rows(world, LINK)):
-        links[row, ROOT], links[row, ISLAND_SIZE], links[row, ISLAND_ROOM] = row, 1, LARGEST
+        links[row, j.ROOT], links[row, j.ISLAND_SIZE], links[row, j.ISLAND_ROOM] = row, 1, LARGEST
         n += 1
     for index in range(linked_contacts(world)):
         a, b = nodes_of_contact(world, index)
         if a >= 0 and b >= 0:
-            a, b = first_of(links, ROOT, a), first_of(links, ROOT, b)
-            most = max(links[a, ISLAND_ROOM], links[b, ISLAND_ROOM]) if min(a, b) < joined else HEAP_LARGEST
-            if a != b and links[a, ISLAND_SIZE] + links[b, ISLAND_SIZE] <= most:
-                links[max(a, b), ROOT] = min(a, b)
-                links[min(a, b), ISLAND_SIZE] += links[max(a, b), ISLAND_SIZE]
-                links[min(a, b), ISLAND_ROOM] = most
+            a, b = first_of(links, j.ROOT, a), first_of(links, j.ROOT, b)
+            most = max(links[a, j.ISLAND_ROOM], links[b, j.ISLAND_ROOM]) if min(a, b) < joined else HEAP_LARGEST
+            if a != b and links[a, j.ISLAND_SIZE] + links[b, j.ISLAND_SIZE] <= most:
+                links[max(a, b), j.ROOT] = min(a, b)
+                links[min(a, b), j.ISLAND_SIZE] += links[max(a, b), j.ISLAND_SIZE]
+                links[min(a, b), j.ISLAND_ROOM] = most
     for row in range(rows(world, LINK)):
-        if links[row, ROOT] >= 0:
-            links[row, ROOT] = first_of(links, ROOT, row)
+        if links[row, j.ROOT] >= 0:
+            links[row, j.ROOT] = first_of(links, j.ROOT, row)
     return n
 
 
@@ -149,8 +120,8 @@ def islands_of_contact(world: int, index: int) -> tuple[int, int]:
     """Return the islands of a contact that is solved directly; -1 for the second if there is only one."""
     links = integers(world, LINK)
     a, b = nodes_of_contact(world, index)
-    one = links[links[a, ROOT], NODE_ROW] if a >= 0 else -1
-    two = links[links[b, ROOT], NODE_ROW] if b >= 0 else -1
+    one = links[links[a, j.ROOT], j.NODE_ROW] if a >= 0 else -1
+    two = links[links[b, j.ROOT], j.NODE_ROW] if b >= 0 else -1
     if one < 0:
         return two, -1
     return one, two if two != one else -1
@@ -174,15 +145,15 @@ def _sort_contacts(world: int) -> None:
         one, two = islands_of_contact(world, index)
         for island in (one, two):
             if island >= 0:
-                islands[island, AFTER_CONTACT] += 1
+                islands[island, d.AFTER_CONTACT] += 1
         if two >= 0:
-            unite(islands, GROUP, one, two)
-    _begin_ranges(world, FIRST_CONTACT, AFTER_CONTACT)
+            unite(islands, d.GROUP, one, two)
+    _begin_ranges(world, d.FIRST_CONTACT, d.AFTER_CONTACT)
     for index in range(count):
         for island in islands_of_contact(world, index):
             if island >= 0:
-                order[islands[island, AFTER_CONTACT], 0] = index
-                islands[island, AFTER_CONTACT] += 1
+                order[islands[island, d.AFTER_CONTACT], 0] = index
+                islands[island, d.AFTER_CONTACT] += 1
     set_rows(world, ISLAND_CONTACT, 2 * count)
 
 
@@ -194,21 +165,21 @@ def _sort_joints(world: int) -> None:
     for row in range(rows(world, ARTICULATION)):
         island = _island_of_articulation(world, row)
         if island >= 0:
-            islands[island, AFTER_JOINT] += articulations[row, END] - articulations[row, FIRST]
-            count += articulations[row, END] - articulations[row, FIRST]
-    _begin_ranges(world, FIRST_JOINT, AFTER_JOINT)
+            islands[island, d.AFTER_JOINT] += articulations[row, j.END] - articulations[row, j.FIRST]
+            count += articulations[row, j.END] - articulations[row, j.FIRST]
+    _begin_ranges(world, d.FIRST_JOINT, d.AFTER_JOINT)
     for closing in range(2):
         for island in range(rows(world, ISLAND)):
-            islands[island, FIRST_CLOSING] = islands[island, AFTER_JOINT]
+            islands[island, d.FIRST_CLOSING] = islands[island, d.AFTER_JOINT]
         for row in range(rows(world, ARTICULATION)):
             island = _island_of_articulation(world, row)
             if island < 0:
                 continue
-            first, middle = articulations[row, FIRST], articulations[row, FIRST] + articulations[row, LINKS]
-            for link in range(middle if closing else first, articulations[row, END] if closing else middle):
-                if links[link, LINK_JOINT] >= 0:
-                    order[islands[island, AFTER_JOINT], 0] = link
-                    islands[island, AFTER_JOINT] += 1
+            first, middle = articulations[row, j.FIRST], articulations[row, j.FIRST] + articulations[row, j.LINKS]
+            for link in range(middle if closing else first, articulations[row, j.END] if closing else middle):
+                if links[link, j.LINK_JOINT] >= 0:
+                    order[islands[island, d.AFTER_JOINT], 0] = link
+                    islands[island, d.AFTER_JOINT] += 1
     set_rows(world, ISLAND_JOINT, count)
 
 
@@ -216,8 +187,8 @@ def _sort_joints(world: int) -> None:
 def _island_of_articulation(world: int, row: int) -> int:
     """Return the island of an articulation; -1 if it sleeps."""
     links = integers(world, LINK)
-    root = links[integers(world, ARTICULATION)[row, FIRST], ROOT]
-    island: int = links[root, NODE_ROW] if root >= 0 else -1
+    root = links[integers(world, ARTICULATION)[row, j.FIRST], j.ROOT]
+    island: int = links[root, j.NODE_ROW] if root >= 0 else -1
     return island
 
 
@@ -227,23 +198,23 @@ def _sort_nodes(world: int) -> None:
     links, islands, nodes = integers(world, LINK), integers(world, ISLAND), integers(world, NODE)
     inertia = floats(world, INERTIA)
     for row in range(rows(world, LINK)):
-        if links[row, ROOT] >= 0:
-            islands[links[links[row, ROOT], NODE_ROW], AFTER_NODE] += 1
-    _begin_ranges(world, FIRST_NODE, AFTER_NODE)
+        if links[row, j.ROOT] >= 0:
+            islands[links[links[row, j.ROOT], j.NODE_ROW], d.AFTER_NODE] += 1
+    _begin_ranges(world, d.FIRST_NODE, d.AFTER_NODE)
     for row in range(rows(world, LINK) - 1, -1, -1):
-        if links[row, ROOT] >= 0:
-            island = links[links[row, ROOT], NODE_ROW]
-            place = islands[island, AFTER_NODE]
-            nodes[place, LINK_ROW], nodes[place, NODE_ISLAND] = row, island
-            islands[island, AFTER_NODE] += 1
+        if links[row, j.ROOT] >= 0:
+            island = links[links[row, j.ROOT], j.NODE_ROW]
+            place = islands[island, d.AFTER_NODE]
+            nodes[place, d.LINK_ROW], nodes[place, d.NODE_ISLAND] = row, island
+            islands[island, d.AFTER_NODE] += 1
     for island in range(rows(world, ISLAND)):
         least, greatest = 1e300, 0.0
-        for place in range(islands[island, FIRST_NODE], islands[island, AFTER_NODE]):
+        for place in range(islands[island, d.FIRST_NODE], islands[island, d.AFTER_NODE]):
             mass = inertia[body_of(world, place), MASS]
             least, greatest = min(least, mass), max(greatest, mass)
-            links[nodes[place, LINK_ROW], NODE_ROW] = place
-        islands[island, RATIO], islands[island, LOST] = int(greatest / least + 1.0), 0
-        islands[island, HAS_JOINTS] = int(islands[island, AFTER_JOINT] > islands[island, FIRST_JOINT])
+            links[nodes[place, d.LINK_ROW], j.NODE_ROW] = place
+        islands[island, d.RATIO], islands[island, d.LOST] = int(greatest / least + 1.0), 0
+        islands[island, d.HAS_JOINTS] = int(islands[island, d.AFTER_JOINT] > islands[island, d.FIRST_JOINT])
 
 
 @compiled(cached=False)
@@ -254,10 +225,10 @@ def _find_touching(world: int) -> None:
     for row in range(rows(world, CONTACT)):
         if not is_solid(contacts, row):
             continue
-        a = abs(bodies[contacts[row, CONTACT_A], LINK_PLACE]) - 1
-        b = abs(bodies[contacts[row, CONTACT_B], LINK_PLACE]) - 1
-        one = nodes[links[a, NODE_ROW], NODE_ISLAND] if a >= 0 and links[a, ROOT] >= 0 else NONE
-        two = nodes[links[b, NODE_ROW], NODE_ISLAND] if b >= 0 and links[b, ROOT] >= 0 else NONE
+        a = abs(bodies[contacts[row, c.BODY_A], LINK_PLACE]) - 1
+        b = abs(bodies[contacts[row, c.BODY_B], LINK_PLACE]) - 1
+        one = nodes[links[a, j.NODE_ROW], d.NODE_ISLAND] if a >= 0 and links[a, j.ROOT] >= 0 else j.NONE
+        two = nodes[links[b, j.NODE_ROW], d.NODE_ISLAND] if b >= 0 and links[b, j.ROOT] >= 0 else j.NONE
         for island in (one, two):
             if island >= 0:
-                islands[island, TOUCHES] = max(islands[island, TOUCHES], 1 if one == two else 2)
+                islands[island, d.TOUCHES] = max(islands[island, d.TOUCHES], 1 if one == two else 2)

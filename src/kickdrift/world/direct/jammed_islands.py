@@ -10,10 +10,10 @@ import math
 from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.narrow_phase.manifolds import deepest
 from kickdrift.world.collision.shape_poses import relative_pose, shape_pose
-from kickdrift.world.contacts.layout import POINTS, SHAPE_A, SHAPE_B
+from kickdrift.world.contacts import layout as c
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.direct.islands import direct_islands
-from kickdrift.world.direct.layout import AFTER_CONTACT, FIRST_CONTACT, FIRST_NODE, GIVEN_UP, HAS_JOINTS
 from kickdrift.world.settings import JAMMED_BODY, JAMMED_SINCE, SLOP, SUBSTEPS
 from kickdrift.world.step.status import HALVINGS, LEFT_JAMMED, WARNING
 from kickdrift.world.tables import CONTACT, ISLAND, ISLAND_CONTACT, MANIFOLD, SETTINGS, STEP_STATUS, floats, integers
@@ -31,9 +31,9 @@ def note_jammed(t: float, h: float, world: int) -> None:
         return
     jammed = -1
     for island in range(direct_islands(world)):
-        given_up = islands[island, GIVEN_UP] >= settings[0, SUBSTEPS] and islands[island, HAS_JOINTS] != 0
+        given_up = islands[island, d.GIVEN_UP] >= settings[0, SUBSTEPS] and islands[island, d.HAS_JOINTS] != 0
         if jammed < 0 and given_up and _overlap(world, island) > _DEEP * settings[0, SLOP]:
-            jammed = body_of(world, islands[island, FIRST_NODE])
+            jammed = body_of(world, islands[island, d.FIRST_NODE])
     if jammed < 0 or jammed != settings[0, JAMMED_BODY] or status[0, HALVINGS] != 0:
         settings[0, JAMMED_BODY], settings[0, JAMMED_SINCE] = jammed, t - h
     elif t - settings[0, JAMMED_SINCE] > _TOO_LONG:
@@ -45,9 +45,9 @@ def _overlap(world: int, island: int) -> float:
     """Return the depth of the deepest contact of an island at the present poses, m; negative for a gap."""
     own, order, contact = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), integers(world, CONTACT)
     least = math.inf
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         row = order[k, 0]
-        at, turn = relative_pose(shape_pose(world, contact[row, SHAPE_A]), shape_pose(world, contact[row, SHAPE_B]))
-        gap, _ = deepest(floats(world, MANIFOLD), row, contact[row, POINTS], at, turn)
+        at, turn = relative_pose(shape_pose(world, contact[row, c.SHAPE_A]), shape_pose(world, contact[row, c.SHAPE_B]))
+        gap, _ = deepest(floats(world, MANIFOLD), row, contact[row, c.POINTS], at, turn)
         least = min(least, gap)
     return -least

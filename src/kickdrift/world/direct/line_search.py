@@ -10,38 +10,12 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_lookup import contact_row
 from kickdrift.world.direct.contact_rows import bound_rows, first_row
 from kickdrift.world.direct.direct_bodies import mass_of
 from kickdrift.world.direct.island_velocities import kinetic_energy
-from kickdrift.world.direct.layout import (
-    ACCEPTED,
-    ACTIVE,
-    AFTER_CONTACT,
-    AFTER_JOINT,
-    BASE,
-    BORNE,
-    BOUND,
-    CONTACT_ROWS,
-    FIRST_CONTACT,
-    FIRST_JOINT,
-    GIVEN,
-    IMPULSE,
-    MOVED,
-    SPEED,
-    STIFFNESS,
-    TANGENT,
-    WANTED,
-)
-from kickdrift.world.joints.layout import (
-    ACCEPTED_DELTA_SPEED,
-    ACCEPTED_IMPULSE,
-    DELTA_SPEED,
-    LAWS,
-    LINK_JOINT,
-    PUSH,
-    SLOPE,
-)
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.limits_motors import law_impulse
 from kickdrift.world.tables import (
     ISLAND,
@@ -69,10 +43,10 @@ def search_line(world: int, island: int, full: bool, touched: bool) -> bool:
     whole = share == 1.0
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     if touched:
-        for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
             _accept(contact_row(world, order[k, 0]), share)
     joints = integers(world, ISLAND_JOINT)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
         _accept_laws(world, joints[place, 0], share)
     return whole
 
@@ -111,10 +85,10 @@ def _slope(world: int, island: int, share: float, touched: bool) -> float:
     """Return the derivative of the convex function along the step, at a fraction `share` of it."""
     own, order, total = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     if touched:
-        for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+        for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
             total += _slope_of_contact(contact_row(world, order[k, 0]), share)
     joints = integers(world, ISLAND_JOINT)
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
         total += _slope_of_laws(world, joints[place, 0], share)
     return total
 
@@ -123,38 +97,38 @@ def _slope(world: int, island: int, share: float, touched: bool) -> float:
 def _slope_of_contact(rows: Any, share: float) -> float:
     """Return the part of a contact in `_slope`."""
     total = 0.0
-    for i in range(TANGENT):
-        if rows[ACTIVE + i] != 0.0:
-            way = rows[MOVED + i] - rows[ACCEPTED + i]
-            trial = _trial_impulse(rows, i, i, rows[ACCEPTED + i] + share * way)
-            borne = rows[BORNE + i] + share * (rows[GIVEN + i] - rows[BORNE + i])
-            total += way * (borne + rows[IMPULSE + i] - max(trial, 0.0))
+    for i in range(d.TANGENT):
+        if rows[d.ACTIVE + i] != 0.0:
+            way = rows[d.MOVED + i] - rows[d.ACCEPTED + i]
+            trial = _trial_impulse(rows, i, i, rows[d.ACCEPTED + i] + share * way)
+            borne = rows[d.BORNE + i] + share * (rows[d.GIVEN + i] - rows[d.BORNE + i])
+            total += way * (borne + rows[d.IMPULSE + i] - max(trial, 0.0))
     for bound in range(3):
         begin, end = first_row(bound), first_row(bound) + bound_rows(bound)
-        if rows[ACTIVE + begin] == 0.0:
+        if rows[d.ACTIVE + begin] == 0.0:
             continue
         square, uphill = 1e-300, 0.0
         for i in range(begin, end):
-            way = rows[MOVED + i] - rows[ACCEPTED + i]
-            trial = _trial_impulse(rows, i, begin, rows[ACCEPTED + i] + share * way)
+            way = rows[d.MOVED + i] - rows[d.ACCEPTED + i]
+            trial = _trial_impulse(rows, i, begin, rows[d.ACCEPTED + i] + share * way)
             square += trial * trial
             uphill += way * trial
-            total += way * (rows[BORNE + i] + share * (rows[GIVEN + i] - rows[BORNE + i]) + rows[IMPULSE + i])
-        total -= uphill * min(1.0, rows[BOUND + bound] / math.sqrt(square))
+            total += way * (rows[d.BORNE + i] + share * (rows[d.GIVEN + i] - rows[d.BORNE + i]) + rows[d.IMPULSE + i])
+        total -= uphill * min(1.0, rows[d.BOUND + bound] / math.sqrt(square))
     return total
 
 
 @compiled(cached=False, fast=True)
 def _slope_of_laws(world: int, link: int, share: float) -> float:
     """Return the part of the laws of a joint in `_slope`."""
-    joint, work, total = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
-    laws = integers(world, JOINT)[joint, LAWS]
+    joint, work, total = integers(world, LINK)[link, j.LINK_JOINT], floats(world, LINK_NUMBERS), 0.0
+    laws = integers(world, JOINT)[joint, j.LAWS]
     for k in range(6):
         if laws >> k & 1:
-            way = work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
-            given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]
-            borne = work[link, ACCEPTED_IMPULSE + k] + share * (given - work[link, ACCEPTED_IMPULSE + k])
-            law = law_impulse(world, joint, k, link, work[link, ACCEPTED_DELTA_SPEED + k] + share * way)
+            way = work[link, j.DELTA_SPEED + k] - work[link, j.ACCEPTED_DELTA_SPEED + k]
+            given = work[link, j.PUSH + k] - work[link, j.SLOPE + k] * work[link, j.DELTA_SPEED + k]
+            borne = work[link, j.ACCEPTED_IMPULSE + k] + share * (given - work[link, j.ACCEPTED_IMPULSE + k])
+            law = law_impulse(world, joint, k, link, work[link, j.ACCEPTED_DELTA_SPEED + k] + share * way)
             total += way * (borne - law)
     return total
 
@@ -163,7 +137,9 @@ def _slope_of_laws(world: int, link: int, share: float) -> float:
 def _trial_impulse(rows: Any, i: int, begin: int, moved: float) -> float:
     """Return the impulse of a row before it is bounded, for a change of its speed."""
     trial: float = (
-        rows[IMPULSE + i] + rows[BASE + i] - rows[STIFFNESS + begin] * (rows[SPEED + i] + moved - rows[WANTED + i])
+        rows[d.IMPULSE + i]
+        + rows[d.BASE + i]
+        - rows[d.STIFFNESS + begin] * (rows[d.SPEED + i] + moved - rows[d.WANTED + i])
     )
     return trial
 
@@ -171,23 +147,23 @@ def _trial_impulse(rows: Any, i: int, begin: int, moved: float) -> float:
 @compiled(cached=False, fast=True)
 def _accept(rows: Any, share: float) -> None:
     """Move the accepted solution of a contact towards the current one by a fraction of the step."""
-    for i in range(CONTACT_ROWS):
-        rows[BORNE + i] += share * (rows[GIVEN + i] - rows[BORNE + i])
-        rows[ACCEPTED + i] += share * (rows[MOVED + i] - rows[ACCEPTED + i])
-        rows[MOVED + i] = rows[ACCEPTED + i]
-        if i < TANGENT and share < 1.0:
-            rows[GIVEN + i] = max(_trial_impulse(rows, i, i, rows[MOVED + i]), 0.0) - rows[IMPULSE + i]
+    for i in range(d.CONTACT_ROWS):
+        rows[d.BORNE + i] += share * (rows[d.GIVEN + i] - rows[d.BORNE + i])
+        rows[d.ACCEPTED + i] += share * (rows[d.MOVED + i] - rows[d.ACCEPTED + i])
+        rows[d.MOVED + i] = rows[d.ACCEPTED + i]
+        if i < d.TANGENT and share < 1.0:
+            rows[d.GIVEN + i] = max(_trial_impulse(rows, i, i, rows[d.MOVED + i]), 0.0) - rows[d.IMPULSE + i]
 
 
 @compiled(cached=False, fast=True)
 def _accept_laws(world: int, link: int, share: float) -> None:
     """Move the accepted solution of the laws of a joint towards the current one by a fraction of the step."""
-    joint, work = integers(world, LINK)[link, LINK_JOINT], floats(world, LINK_NUMBERS)
-    laws = integers(world, JOINT)[joint, LAWS]
+    joint, work = integers(world, LINK)[link, j.LINK_JOINT], floats(world, LINK_NUMBERS)
+    laws = integers(world, JOINT)[joint, j.LAWS]
     for k in range(6):
         if laws >> k & 1:
-            given = work[link, PUSH + k] - work[link, SLOPE + k] * work[link, DELTA_SPEED + k]
-            work[link, ACCEPTED_IMPULSE + k] += share * (given - work[link, ACCEPTED_IMPULSE + k])
-            work[link, ACCEPTED_DELTA_SPEED + k] += share * (
-                work[link, DELTA_SPEED + k] - work[link, ACCEPTED_DELTA_SPEED + k]
+            given = work[link, j.PUSH + k] - work[link, j.SLOPE + k] * work[link, j.DELTA_SPEED + k]
+            work[link, j.ACCEPTED_IMPULSE + k] += share * (given - work[link, j.ACCEPTED_IMPULSE + k])
+            work[link, j.ACCEPTED_DELTA_SPEED + k] += share * (
+                work[link, j.DELTA_SPEED + k] - work[link, j.ACCEPTED_DELTA_SPEED + k]
             )

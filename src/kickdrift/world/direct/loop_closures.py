@@ -5,35 +5,13 @@ from typing import Any
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross
 from kickdrift.world.columns import vector_at
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import twelve
 from kickdrift.world.direct.gear_assembly import add_gear, load_gear, moved_gear
-from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING
 from kickdrift.world.direct.matrix import add_row
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_wrenches import mobility_of_gear
 from kickdrift.world.joints.kinematics import mobility
-from kickdrift.world.joints.layout import (
-    ARM_A,
-    ARM_A_AHEAD,
-    ARM_B,
-    ARM_B_AHEAD,
-    AXES,
-    AXES_AHEAD,
-    AXIS_IMPULSE,
-    BEGUN,
-    CLOSING_IMPULSE,
-    DELTA_SPEED,
-    GAIN,
-    GEARED,
-    HELD_AXES,
-    JOINT_IMPULSE,
-    LINEAR,
-    LINK_A,
-    LINK_JOINT,
-    NODE_ROW,
-    PUSH,
-    RIGHT_HAND_SIDE,
-    SLOPE,
-)
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, JOINT_NUMBERS, LINK, LINK_NUMBERS, floats, integers
 
 # Stiffness of a held axis: impulse per error of speed, over its effective mass. The residual of a solution is removed by the
@@ -46,7 +24,7 @@ _RIGID = 1e7
 def has_loops(world: int, island: int) -> bool:
     """Whether joints close loops in an island."""
     own = integers(world, ISLAND)[island]
-    closed: bool = own[AFTER_JOINT] > own[FIRST_CLOSING]
+    closed: bool = own[d.AFTER_JOINT] > own[d.FIRST_CLOSING]
     return closed
 
 
@@ -66,7 +44,7 @@ def write_axis(table: Any, row: int, axes: int, arm_a: int, arm_b: int, k: int, 
 def _is_gear(world: int, link: int) -> bool:
     """Whether a closing joint is a gear."""
     joints, links = integers(world, JOINT), integers(world, LINK)
-    is_gear: bool = joints[links[link, LINK_JOINT], LINEAR] == GEARED
+    is_gear: bool = joints[links[link, j.LINK_JOINT], j.LINEAR] == j.GEARED
     return is_gear
 
 
@@ -74,11 +52,11 @@ def _is_gear(world: int, link: int) -> bool:
 def _stiffness(world: int, link: int, k: int) -> float:
     """Return the impulse along an axis of a closing joint per change of speed; 0.0 along an immovable one."""
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
-    if links[link, HELD_AXES] >> k & 1:
-        joint = links[link, LINK_JOINT]
+    if links[link, j.HELD_AXES] >> k & 1:
+        joint = links[link, j.LINK_JOINT]
         yielding = mobility_of_gear(world, joint, link) if _is_gear(world, link) else mobility(world, joint, k)
         return _RIGID / yielding if yielding > 0.0 else 0.0
-    slope: float = work[link, SLOPE + k]
+    slope: float = work[link, j.SLOPE + k]
     return slope
 
 
@@ -92,11 +70,11 @@ def begin_closings(world: int, island: int) -> None:
     """
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
-    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_CLOSING], own[d.AFTER_JOINT]):
         link = order[place, 0]
-        joint = links[link, LINK_JOINT]
+        joint = links[link, j.LINK_JOINT]
         for k in range(6):
-            work[link, BEGUN + k] = -numbers[joint, JOINT_IMPULSE + k]
+            work[link, j.BEGUN + k] = -numbers[joint, j.JOINT_IMPULSE + k]
 
 
 @compiled(cached=False, fast=True)
@@ -104,9 +82,9 @@ def stay_closings(world: int, island: int) -> None:
     """Begin the solution of closing joints with their present impulses."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     work = floats(world, LINK_NUMBERS)
-    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_CLOSING], own[d.AFTER_JOINT]):
         for k in range(6):
-            work[order[place, 0], BEGUN + k] = 0.0
+            work[order[place, 0], j.BEGUN + k] = 0.0
 
 
 @compiled(cached=False, fast=True)
@@ -114,12 +92,12 @@ def refine_closings(world: int, island: int) -> float:
     """Begin the next solution with the impulses of the current one; return its largest residual speed, m/s or rad/s."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, worst = integers(world, LINK), floats(world, LINK_NUMBERS), 0.0
-    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_CLOSING], own[d.AFTER_JOINT]):
         link = order[place, 0]
         for k in range(6):
-            if links[link, HELD_AXES] >> k & 1 and _stiffness(world, link, k) > 0.0:
-                worst = max(worst, abs(work[link, RIGHT_HAND_SIDE + k] - work[link, DELTA_SPEED + k]))
-                work[link, BEGUN + k] = work[link, AXIS_IMPULSE + k]
+            if links[link, j.HELD_AXES] >> k & 1 and _stiffness(world, link, k) > 0.0:
+                worst = max(worst, abs(work[link, j.RIGHT_HAND_SIDE + k] - work[link, j.DELTA_SPEED + k]))
+                work[link, j.BEGUN + k] = work[link, j.AXIS_IMPULSE + k]
     return worst
 
 
@@ -129,7 +107,7 @@ def add_closings(world: int, island: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     start, ahead = twelve(), twelve()
-    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_CLOSING], own[d.AFTER_JOINT]):
         link = order[place, 0]
         a, b = _node(links, link, 0), _node(links, link, 1)
         for k in range(6):
@@ -137,8 +115,8 @@ def add_closings(world: int, island: int) -> None:
             if stiffness > 0.0 and _is_gear(world, link):
                 add_gear(world, link, stiffness)
             elif stiffness > 0.0:
-                write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
-                write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+                write_axis(numbers, links[link, j.LINK_JOINT], j.AXES, j.ARM_A, j.ARM_B, k, start)
+                write_axis(work, link, j.AXES_AHEAD, j.ARM_A_AHEAD, j.ARM_B_AHEAD, k, ahead)
                 add_row(world, a, b, stiffness, start, ahead)
 
 
@@ -148,30 +126,30 @@ def load_closings(world: int, island: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work, numbers = integers(world, LINK), floats(world, LINK_NUMBERS), floats(world, JOINT_NUMBERS)
     start = twelve()
-    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_CLOSING], own[d.AFTER_JOINT]):
         link = order[place, 0]
         for k in range(6):
-            impulse = work[link, PUSH + k]
-            if links[link, HELD_AXES] >> k & 1:
-                impulse = work[link, BEGUN + k] + _stiffness(world, link, k) * work[link, RIGHT_HAND_SIDE + k]
+            impulse = work[link, j.PUSH + k]
+            if links[link, j.HELD_AXES] >> k & 1:
+                impulse = work[link, j.BEGUN + k] + _stiffness(world, link, k) * work[link, j.RIGHT_HAND_SIDE + k]
             if impulse == 0.0:
                 continue
             if _is_gear(world, link):
                 load_gear(world, link, impulse)
                 continue
-            write_axis(numbers, links[link, LINK_JOINT], AXES, ARM_A, ARM_B, k, start)
+            write_axis(numbers, links[link, j.LINK_JOINT], j.AXES, j.ARM_A, j.ARM_B, k, start)
             for side in range(2):
-                to = links[link, LINK_A + side]
+                to = links[link, j.LINK_A + side]
                 if to >= 0:
                     for i in range(6):
-                        work[to, CLOSING_IMPULSE + i] += impulse * start[6 * side + i]
+                        work[to, j.CLOSING_IMPULSE + i] += impulse * start[6 * side + i]
 
 
 @compiled(inline=True, cached=False, fast=True)
 def _node(links: Any, link: int, side: int) -> int:
     """Return the node of a body of a closing joint; -1 if it is immovable."""
-    to = links[link, LINK_A + side]
-    node: int = links[to, NODE_ROW] if to >= 0 else -1
+    to = links[link, j.LINK_A + side]
+    node: int = links[to, j.NODE_ROW] if to >= 0 else -1
     return node
 
 
@@ -181,24 +159,24 @@ def predict_closings(world: int, island: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT)
     links, work = integers(world, LINK), floats(world, LINK_NUMBERS)
     ahead = twelve()
-    for place in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_CLOSING], own[d.AFTER_JOINT]):
         link = order[place, 0]
         for k in range(6):
             total = 0.0
             if _is_gear(world, link):
-                total = moved_gear(world, link) if links[link, HELD_AXES] >> k & 1 else 0.0
+                total = moved_gear(world, link) if links[link, j.HELD_AXES] >> k & 1 else 0.0
             else:
-                write_axis(work, link, AXES_AHEAD, ARM_A_AHEAD, ARM_B_AHEAD, k, ahead)
+                write_axis(work, link, j.AXES_AHEAD, j.ARM_A_AHEAD, j.ARM_B_AHEAD, k, ahead)
                 for side in range(2):
-                    to = links[link, LINK_A + side]
+                    to = links[link, j.LINK_A + side]
                     if to >= 0:
                         for i in range(6):
-                            total += ahead[6 * side + i] * work[to, GAIN + i]
-            work[link, DELTA_SPEED + k] = total
+                            total += ahead[6 * side + i] * work[to, j.GAIN + i]
+            work[link, j.DELTA_SPEED + k] = total
             stiffness = _stiffness(world, link, k)
-            if links[link, HELD_AXES] >> k & 1:
-                work[link, AXIS_IMPULSE + k] = work[link, BEGUN + k] + stiffness * (
-                    work[link, RIGHT_HAND_SIDE + k] - total
+            if links[link, j.HELD_AXES] >> k & 1:
+                work[link, j.AXIS_IMPULSE + k] = work[link, j.BEGUN + k] + stiffness * (
+                    work[link, j.RIGHT_HAND_SIDE + k] - total
                 )
             else:
-                work[link, AXIS_IMPULSE + k] = work[link, PUSH + k] - stiffness * total
+                work[link, j.AXIS_IMPULSE + k] = work[link, j.PUSH + k] - stiffness * total

@@ -9,10 +9,10 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.spatial import spatial_of
 from kickdrift.core.vectors import Symmetric, cross, inverse_symmetric, plus, times
 from kickdrift.world.columns import symmetric_at, vector_at
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.blocks import add_scaled
-from kickdrift.world.direct.layout import CORRECTION, FIRST_NEIGHBOUR, LINK_ROW, LOWER_BLOCK, NEIGHBOURS, UPPER_BLOCK
+from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.kinematics import put_vector
-from kickdrift.world.joints.layout import ANGULAR_PART, ARTICULATED_INERTIA, LINK_BODY
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import BLOCK, INVERSE_MASS, LINK, LINK_NUMBERS, MOTION, NEIGHBOUR, NODE, floats, integers
 
@@ -49,9 +49,9 @@ def put_inertia(world: int, link: int, ahead: float) -> None:
     `CORRECTION` all bodies have unit mass, so that light ones are not moved far on behalf of heavy ones.
     """
     work, response = floats(world, LINK_NUMBERS), floats(world, INVERSE_MASS)
-    body = integers(world, LINK)[link, LINK_BODY]
+    body = integers(world, LINK)[link, j.LINK_BODY]
     for k in range(36):
-        work[link, ARTICULATED_INERTIA + k] = 0.0
+        work[link, j.ARTICULATED_INERTIA + k] = 0.0
     w = symmetric_at(response, body, INVERSE_INERTIA_IN_WORLD)
     trace = w[0] + w[1] + w[2]
     mass = (
@@ -70,16 +70,16 @@ def put_inertia(world: int, link: int, ahead: float) -> None:
     else:
         immovable = _IMMOVABLE * mass
         moments = (immovable, immovable, immovable, 0.0, 0.0, 0.0)
-    if ahead == CORRECTION:
+    if ahead == d.CORRECTION:
         mass, moments = 1.0, _divided(moments, mass)
-    turn = times(max(ahead, 0.0), vector_at(floats(world, MOTION), body, ANGULAR_PART))
+    turn = times(max(ahead, 0.0), vector_at(floats(world, MOTION), body, j.ANGULAR_PART))
     for k in range(3):
-        work[link, ARTICULATED_INERTIA + 7 * k] = mass
+        work[link, j.ARTICULATED_INERTIA + 7 * k] = mass
         row = (moments[3], moments[1], moments[5]) if k == 1 else (moments[4], moments[5], moments[2])
         row = (moments[0], moments[3], moments[4]) if k == 0 else row
         once = cross(turn, row)
         row = plus(row, plus(times(0.5, once), times(1.0 / 12.0, cross(turn, once))))
-        put_vector(work, link, ARTICULATED_INERTIA + 21 + 6 * k, row)
+        put_vector(work, link, j.ARTICULATED_INERTIA + 21 + 6 * k, row)
 
 
 @compiled(cached=False, fast=True)
@@ -87,8 +87,8 @@ def clear_blocks(world: int, first: int, after: int) -> None:
     """Set the blocks that couple the nodes of an island to zero."""
     nodes, blocks = integers(world, NODE), floats(world, BLOCK)
     for node in range(first, after):
-        begin = nodes[node, FIRST_NEIGHBOUR]
-        for row in range(begin, begin + nodes[node, NEIGHBOURS]):
+        begin = nodes[node, d.FIRST_NEIGHBOUR]
+        for row in range(begin, begin + nodes[node, d.NEIGHBOURS]):
             for k in range(72):
                 blocks[row, k] = 0.0
 
@@ -97,7 +97,7 @@ def clear_blocks(world: int, first: int, after: int) -> None:
 def block_of(world: int, a: int, b: int) -> int:
     """Return the row of the block of two neighbours, of which a is eliminated first."""
     nodes, neighbours = integers(world, NODE), integers(world, NEIGHBOUR)
-    row: int = nodes[a, FIRST_NEIGHBOUR]
+    row: int = nodes[a, d.FIRST_NEIGHBOUR]
     while neighbours[row, 0] != b:
         row += 1
     return row
@@ -120,15 +120,15 @@ def add_row(world: int, a: int, b: int, stiffness: float, start: Any, ahead: Any
     for side in range(2):
         node = b if side == 1 else a
         if node >= 0:
-            link = nodes[node, LINK_ROW]
+            link = nodes[node, d.LINK_ROW]
             speeds = spatial_of(ahead, 6 * side)
             for i in range(6):
-                add_scaled(work, link, ARTICULATED_INERTIA + 6 * i, stiffness * start[6 * side + i], speeds)
+                add_scaled(work, link, j.ARTICULATED_INERTIA + 6 * i, stiffness * start[6 * side + i], speeds)
     if a >= 0 and b >= 0:
         blocks = floats(world, BLOCK)
-        row, upper, lower = block_of(world, min(a, b), max(a, b)), UPPER_BLOCK, LOWER_BLOCK
+        row, upper, lower = block_of(world, min(a, b), max(a, b)), d.UPPER_BLOCK, d.LOWER_BLOCK
         if b < a:
-            upper, lower = LOWER_BLOCK, UPPER_BLOCK
+            upper, lower = d.LOWER_BLOCK, d.UPPER_BLOCK
         speeds_of_a, speeds_of_b = spatial_of(ahead, 0), spatial_of(ahead, 6)
         for i in range(6):
             add_scaled(blocks, row, upper + 6 * i, stiffness * start[i], speeds_of_b)

@@ -3,21 +3,10 @@
 from typing import Any
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.direct_bodies import nodes_of_contact
 from kickdrift.world.direct.gear_assembly import geared_link
-from kickdrift.world.direct.layout import (
-    AFTER_CONTACT,
-    AFTER_JOINT,
-    AFTER_NODE,
-    FIRST_CLOSING,
-    FIRST_CONTACT,
-    FIRST_NEIGHBOUR,
-    FIRST_NODE,
-    LINK_ROW,
-    NEIGHBOURS,
-    PARENT_NODE,
-)
-from kickdrift.world.joints.layout import GEARED, LINEAR, LINK_A, LINK_B, LINK_JOINT, NODE_ROW, NONE, PARENT, ROOT
+from kickdrift.world.joints import layout as j
 from kickdrift.world.step.status import has_room
 from kickdrift.world.tables import (
     ADJACENCY,
@@ -41,7 +30,7 @@ _BITS = 62  # nodes per word of a bit set
 def order_nodes(world: int, island: int) -> bool:
     """Find the elimination order of an island, children before parents, and its fill; return whether there was room."""
     links, nodes, own = integers(world, LINK), integers(world, NODE), integers(world, ISLAND)[island]
-    first, after = own[FIRST_NODE], own[AFTER_NODE]
+    first, after = own[d.FIRST_NODE], own[d.AFTER_NODE]
     n = after - first
     words = (n + _BITS - 1) // _BITS
     if not has_room(world, ADJACENCY, n * (words + 2)):
@@ -50,18 +39,18 @@ def order_nodes(world: int, island: int) -> bool:
     coupled = _couple(world, island, words)
     if not coupled:
         for place in range(first, after):
-            parent = links[nodes[place, LINK_ROW], PARENT]
-            nodes[place, PARENT_NODE] = links[parent, NODE_ROW] if parent >= 0 else NONE
-            nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = rows(world, NEIGHBOUR), 0
+            parent = links[nodes[place, d.LINK_ROW], j.PARENT]
+            nodes[place, d.PARENT_NODE] = links[parent, j.NODE_ROW] if parent >= 0 else j.NONE
+            nodes[place, d.FIRST_NEIGHBOUR], nodes[place, d.NEIGHBOURS] = rows(world, NEIGHBOUR), 0
         return True
     # After the bits: for each node the number of children left, -1 once it is eliminated, and its row of LINK.
     children, member = n * words, n * (words + 1)
     for i in range(n):
-        bits[children + i, 0], bits[member + i, 0] = 0, nodes[first + i, LINK_ROW]
+        bits[children + i, 0], bits[member + i, 0] = 0, nodes[first + i, d.LINK_ROW]
     for i in range(n):
-        parent = links[bits[member + i, 0], PARENT]
+        parent = links[bits[member + i, 0], j.PARENT]
         if parent >= 0:
-            bits[children + links[parent, NODE_ROW] - first, 0] += 1
+            bits[children + links[parent, j.NODE_ROW] - first, 0] += 1
     for place in range(first, after):
         best, fewest = -1, 1 << 60
         for i in range(n):
@@ -69,14 +58,14 @@ def order_nodes(world: int, island: int) -> bool:
                 degree = _count(bits, i, words)
                 if degree < fewest:
                     best, fewest = i, degree
-        parent = links[bits[member + best, 0], PARENT]
-        p = links[parent, NODE_ROW] - first if parent >= 0 else -1
+        parent = links[bits[member + best, 0], j.PARENT]
+        p = links[parent, j.NODE_ROW] - first if parent >= 0 else -1
         if not _eliminate(world, best, p, words, place):
             return False
         bits[children + best, 0] = -1
         if p >= 0:
             bits[children + p, 0] -= 1
-        nodes[place, LINK_ROW] = bits[member + best, 0]
+        nodes[place, d.LINK_ROW] = bits[member + best, 0]
     _place_neighbours(world, first, after, member)
     return True
 
@@ -87,32 +76,36 @@ def _place_neighbours(world: int, first: int, after: int, member: int) -> None:
     links, nodes = integers(world, LINK), integers(world, NODE)
     neighbours, bits = integers(world, NEIGHBOUR), integers(world, ADJACENCY)
     for place in range(first, after):
-        links[nodes[place, LINK_ROW], NODE_ROW] = place
+        links[nodes[place, d.LINK_ROW], j.NODE_ROW] = place
     for place in range(first, after):
-        parent = links[nodes[place, LINK_ROW], PARENT]
-        nodes[place, PARENT_NODE] = links[parent, NODE_ROW] if parent >= 0 else NONE
-        begin = nodes[place, FIRST_NEIGHBOUR]
-        for row in range(begin, begin + nodes[place, NEIGHBOURS]):
-            neighbours[row, 0] = links[bits[member + neighbours[row, 0], 0], NODE_ROW]
+        parent = links[nodes[place, d.LINK_ROW], j.PARENT]
+        nodes[place, d.PARENT_NODE] = links[parent, j.NODE_ROW] if parent >= 0 else j.NONE
+        begin = nodes[place, d.FIRST_NEIGHBOUR]
+        for row in range(begin, begin + nodes[place, d.NEIGHBOURS]):
+            neighbours[row, 0] = links[bits[member + neighbours[row, 0], 0], j.NODE_ROW]
 
 
 @compiled(inline=True, cached=False)
-def _set(bits: Any, i: int, j: int, words: int) -> None:
-    bits[i * words + j // _BITS, 0] |= 1 << (j % _BITS)
+def _set(bits: Any, i: int, m: int, words: int) -> None:
+    bits[i * words + m // _BITS, 0] |= 1 << (m % _BITS)
 
 
 @compiled(inline=True, cached=False)
-def _clear(bits: Any, i: int, j: int, words: int) -> None:
-    bits[i * words + j // _BITS, 0] &= ~(1 << (j % _BITS))
+def _clear(bits: Any, i: int, m: int, words: int) -> None:
+    bits[i * words + m // _BITS, 0] &= ~(1 << (m % _BITS))
 
 
 @compiled(inline=True, cached=False)
 def _unite(world: int, island: int, a: int, b: int, words: int) -> None:
     """Couple the nodes of two rows of LINK."""
-    links, bits, first = integers(world, LINK), integers(world, ADJACENCY), integers(world, ISLAND)[island, FIRST_NODE]
-    i, j = links[a, NODE_ROW] - first, links[b, NODE_ROW] - first
-    _set(bits, i, j, words)
-    _set(bits, j, i, words)
+    links, bits, first = (
+        integers(world, LINK),
+        integers(world, ADJACENCY),
+        integers(world, ISLAND)[island, d.FIRST_NODE],
+    )
+    i, m = links[a, j.NODE_ROW] - first, links[b, j.NODE_ROW] - first
+    _set(bits, i, m, words)
+    _set(bits, m, i, words)
 
 
 @compiled(inline=True, cached=False)
@@ -144,19 +137,19 @@ def _couple(world: int, island: int, words: int) -> bool:
     bits, order = integers(world, ADJACENCY), integers(world, ISLAND_CONTACT)
     closings, joints = integers(world, ISLAND_JOINT), integers(world, JOINT)
     coupled = False
-    for k in range((own[AFTER_NODE] - own[FIRST_NODE]) * words):
+    for k in range((own[d.AFTER_NODE] - own[d.FIRST_NODE]) * words):
         bits[k, 0] = 0
-    for k in range(own[FIRST_CONTACT], own[AFTER_CONTACT]):
+    for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         a, b = nodes_of_contact(world, order[k, 0])
-        if a >= 0 and b >= 0 and links[a, ROOT] == links[b, ROOT]:
+        if a >= 0 and b >= 0 and links[a, j.ROOT] == links[b, j.ROOT]:
             _unite(world, island, a, b, words)
             coupled = True
-    for k in range(own[FIRST_CLOSING], own[AFTER_JOINT]):
-        a, b = links[closings[k, 0], LINK_A], links[closings[k, 0], LINK_B]
+    for k in range(own[d.FIRST_CLOSING], own[d.AFTER_JOINT]):
+        a, b = links[closings[k, 0], j.LINK_A], links[closings[k, 0], j.LINK_B]
         if a >= 0 and b >= 0:
             _unite(world, island, a, b, words)
             coupled = True
-        if joints[links[closings[k, 0], LINK_JOINT], LINEAR] == GEARED:
+        if joints[links[closings[k, 0], j.LINK_JOINT], j.LINEAR] == j.GEARED:
             for one in range(4):
                 for two in range(one):
                     a, b = geared_link(world, closings[k, 0], one), geared_link(world, closings[k, 0], two)
@@ -173,12 +166,12 @@ def _eliminate(world: int, i: int, parent: int, words: int, place: int) -> bool:
     row = rows(world, NEIGHBOUR)
     if not (has_room(world, NEIGHBOUR, row + count) and has_room(world, BLOCK, row + count)):
         return False
-    nodes[place, FIRST_NEIGHBOUR], nodes[place, NEIGHBOURS] = row, count
+    nodes[place, d.FIRST_NEIGHBOUR], nodes[place, d.NEIGHBOURS] = row, count
     for w in range(words):
         word = bits[i * words + w, 0]
         while word != 0:
-            j = w * _BITS + _lowest(word)
-            neighbours[row, 0] = j
+            m = w * _BITS + _lowest(word)
+            neighbours[row, 0] = m
             row += 1
             word &= word - 1
     set_rows(world, NEIGHBOUR, row)
@@ -187,10 +180,10 @@ def _eliminate(world: int, i: int, parent: int, words: int, place: int) -> bool:
     for w in range(words):
         word = bits[i * words + w, 0]
         while word != 0:
-            j = w * _BITS + _lowest(word)
+            m = w * _BITS + _lowest(word)
             word &= word - 1
             for v in range(words):
-                bits[j * words + v, 0] |= bits[i * words + v, 0]
-            _clear(bits, j, j, words)
-            _clear(bits, j, i, words)
+                bits[m * words + v, 0] |= bits[i * words + v, 0]
+            _clear(bits, m, m, words)
+            _clear(bits, m, i, words)
     return True

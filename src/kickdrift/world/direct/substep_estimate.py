@@ -3,11 +3,11 @@
 import math
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.direct_bodies import mass_of
 from kickdrift.world.direct.island_velocities import inner_speed, kinetic_energy
-from kickdrift.world.direct.layout import AFTER_JOINT, FIRST_CLOSING, FIRST_JOINT
 from kickdrift.world.direct.loop_closures import has_loops
-from kickdrift.world.joints.layout import BODY_A, LINK_JOINT, LOCKED, YIELD
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_KIND, DYNAMIC
 from kickdrift.world.tables import (
     BODY,
@@ -44,16 +44,16 @@ def refinement(world: int, island: int, turn: float, substep: float) -> float:
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     joints, bodies, work = integers(world, JOINT), integers(world, BODY), floats(world, LINK_NUMBERS)
     movable, most, held = 0, 0.0, False
-    for place in range(own[FIRST_JOINT], own[AFTER_JOINT]):
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
         link = order[place, 0]
-        joint = links[link, LINK_JOINT]
+        joint = links[link, j.LINK_JOINT]
         for side in range(2):
-            held = held or bodies[joints[joint, BODY_A + side], BODY_KIND] != DYNAMIC
-        if joints[joint, LOCKED] != _ALL_AXES:
+            held = held or bodies[joints[joint, j.BODY_A + side], BODY_KIND] != DYNAMIC
+        if joints[joint, j.LOCKED] != _ALL_AXES:
             movable += 1
         for k in range(3, 6):
-            if place < own[FIRST_CLOSING] and not joints[joint, LOCKED] >> k & 1:
-                most = max(most, work[link, YIELD + k])
+            if place < own[d.FIRST_CLOSING] and not joints[joint, j.LOCKED] >> k & 1:
+                most = max(most, work[link, j.YIELD + k])
     if held and movable < 2:
         return max(turn / LONG_TURN, 2.0)
     energy = 0.0

@@ -19,7 +19,7 @@ from kickdrift.world.contacts.batch_division import CROWD
 from kickdrift.world.contacts.residual import FAR_RESIDUAL, NOTED_RESIDUAL, TOUCHES
 from kickdrift.world.direct.direct_bodies import moves
 from kickdrift.world.disjoint_sets import first_of, unite
-from kickdrift.world.joints.layout import JOINED_ROWS
+from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import (
     AWAKE,
     BODY_KIND,
@@ -149,7 +149,7 @@ def _goes_back(world: int, row: int) -> bool:
 def _is_free(world: int, row: int) -> bool:
     """Whether a body moves, and no joint holds it."""
     place = integers(world, BODY)[row, LINK_PLACE]
-    return moves(world, row) and (place == 0 or place > integers(world, GRAPH)[0, JOINED_ROWS])
+    return moves(world, row) and (place == 0 or place > integers(world, GRAPH)[0, j.JOINED_ROWS])
 
 
 @compiled

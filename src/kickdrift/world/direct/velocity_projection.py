@@ -1,6 +1,7 @@
 """Relaxation of islands: the projection of velocities after the drift, and the judgement of the energy that it leaves."""
 
 from kickdrift.core.compilation import compiled
+from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import REST, is_cut, note_impulses
 from kickdrift.world.direct.energy_guard import gained
 from kickdrift.world.direct.island_calls import aim_island, repair, solve
@@ -8,7 +9,6 @@ from kickdrift.world.direct.island_solver import project, solve_at_once
 from kickdrift.world.direct.island_velocities import begin_from_kick
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.direct.joint_impulses import end_relaxation
-from kickdrift.world.direct.layout import GROUP, LOST
 from kickdrift.world.direct.loop_closures import stay_closings
 from kickdrift.world.disjoint_sets import first_of
 from kickdrift.world.joints.right_hand_side import RELAX
@@ -37,7 +37,7 @@ def _relax(world: int, island: int, h: float) -> None:
     and one on a ball joint, 24 g to 250 kg, into 23 MJ. Islands that touch others are judged when all have been projected
     (`_relax_again`).
     """
-    if integers(world, ISLAND)[island, LOST] != 0:
+    if integers(world, ISLAND)[island, d.LOST] != 0:
         repair(world, island, h)
         note_impulses(world, island, False)
         project(world, island, h, RELAX, REST)
@@ -59,7 +59,7 @@ def _relax_again(world: int, h: float) -> None:
         if is_cut(world, island) and not gained(world, island, h) <= 0.0:
             total = 0.0
             for other in range(direct_islands(world)):
-                if first_of(islands, GROUP, other) == first_of(islands, GROUP, island):
+                if first_of(islands, d.GROUP, other) == first_of(islands, d.GROUP, island):
                     total += gained(world, other, h)
             if not total <= 0.0:
                 _relax_from_kick(world, island, h)
