@@ -201,9 +201,12 @@ def test_recordings_keep_and_report_what_is_left():
     )
 
 
-def loaded_bridge(mass, substeps):
-    """A hanging bridge of 20 planks of 1 kg on hinges, 0.3 m long, and a ball that lies on it."""
+def loaded_bridge(mass, substeps, beside=0):
+    """A hanging bridge of 20 planks of 1 kg on hinges, 0.3 m long, and a ball that lies on it; boxes that rest beside it."""
     world, before, x, z, planks = kd.World(substeps=substeps), None, 0.0, 3.0, []
+    world.add_plane()
+    for k in range(beside):
+        world.add_box((1, 1, 1), position=(20.0 + 2 * k, 0, 0.5))
     for angle in np.linspace(0.3, -0.3, 20):
         way = 0.3 * np.array([np.cos(angle), 0.0, -np.sin(angle)])
         plank = world.add_box(
@@ -218,8 +221,9 @@ def loaded_bridge(mass, substeps):
     return world, world.add_sphere(0.3, position=above, mass=mass, friction=0.5)
 
 
-def test_a_ball_that_is_too_heavy_for_its_bridge_is_reported():
-    world, _ = loaded_bridge(150.0, 4)
+@pytest.mark.parametrize("beside", [0, 5])
+def test_a_ball_that_is_too_heavy_for_its_bridge_is_reported(beside):
+    world, _ = loaded_bridge(150.0, 4, beside)
     with pytest.warns(
         kd.UnsolvedWarning, match=r"contacts of body \d+ .*no solution together since t=0\..*world.substeps = 8"
     ):

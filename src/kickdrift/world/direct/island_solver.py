@@ -80,7 +80,7 @@ def solve_islands(t: float, h: float, world: int) -> None:
     for island in range(direct_islands(world)):
         if is_cut(world, island):
             _solve_joints(world, island, h)
-        end_solution(world, island, h)
+        end_solution(world, island)
 
 
 @compiled

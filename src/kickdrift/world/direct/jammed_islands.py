@@ -12,6 +12,7 @@ from kickdrift.world.collision.narrow_phase.manifolds import deepest
 from kickdrift.world.collision.shape_poses import relative_pose, shape_pose
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct import layout as d
+from kickdrift.world.direct.contact_lookup import row_of
 from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.direct.islands import direct_islands
 from kickdrift.world.settings import JAMMED_BODY, JAMMED_SINCE, SLOP, SUBSTEPS
@@ -46,7 +47,7 @@ def _overlap(world: int, island: int) -> float:
     own, order, contact = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), integers(world, CONTACT)
     least = math.inf
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        row = order[k, 0]
+        row = row_of(world, order[k, 0])
         at, turn = relative_pose(shape_pose(world, contact[row, c.SHAPE_A]), shape_pose(world, contact[row, c.SHAPE_B]))
         gap, _ = deepest(floats(world, MANIFOLD), row, contact[row, c.POINTS], at, turn)
         least = min(least, gap)

@@ -65,7 +65,7 @@ def clear_impulses(world: int, island: int) -> None:
 
 
 @compiled(cached=False)
-def end_solution(world: int, island: int, h: float) -> None:
+def end_solution(world: int, island: int) -> None:
     """Store the joint impulses of an island before the drift."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
