@@ -30,12 +30,14 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, bound: float, n:
         most = own[c.ROLL_RESISTANCE * W + lane] * pressed
         after = times(min(1.0, most / math.sqrt(dot(after, after) + 1e-300)), after)
         put(own, c.ROLL_IMPULSE, lane, after)
-        # Twist
+        torque = minus(after, before)
+        turn_a, turn_b = minus(turn_a, turn(s, INERTIA_A, lane, torque)), plus(turn_b, turn(s, INERTIA_B, lane, torque))
+        # Twist, of the spin that rolling resistance leaves: together they would take more than there is, and boxes turn for ever
         old = own[c.TWISTING_IMPULSE * W + lane]
         spin = dot(normal, minus(turn_b, turn_a))
         new = min(max(old - own[c.TWIST_MASS * W + lane] * spin, -friction * lever), friction * lever)
         own[c.TWISTING_IMPULSE * W + lane] = new
-        torque = plus(minus(after, before), times(new - old, normal))
+        torque = times(new - old, normal)
         turn_a, turn_b = minus(turn_a, turn(s, INERTIA_A, lane, torque)), plus(turn_b, turn(s, INERTIA_B, lane, torque))
         # Friction
         first = vector(own, c.T, lane)
