@@ -32,7 +32,7 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, bound: float, n:
         put(own, c.ROLL_IMPULSE, lane, after)
         torque = minus(after, before)
         turn_a, turn_b = minus(turn_a, turn(s, INERTIA_A, lane, torque)), plus(turn_b, turn(s, INERTIA_B, lane, torque))
-        # Twist, of the spin that rolling resistance leaves: together they would take more than there is, and boxes turn for ever
+        # Twist takes what rolling resistance leaves of the spin: with both at once boxes would turn to and fro for ever
         old = own[c.TWISTING_IMPULSE * W + lane]
         spin = dot(normal, minus(turn_b, turn_a))
         new = min(max(old - own[c.TWIST_MASS * W + lane] * spin, -friction * lever), friction * lever)

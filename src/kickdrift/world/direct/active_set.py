@@ -21,7 +21,7 @@ from kickdrift.world.direct.loop_closures import add_closings, load_closings, pr
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.limits_motors import begin_laws, refine_laws, update_law_states
+from kickdrift.world.joints.limits_motors import begin_laws, fix_laws, refine_laws, update_law_states
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 # Largest number of solutions with different pieces of laws assumed. With 40, sixteen ragdolls in a heap take 1.7 times as long,
@@ -93,8 +93,7 @@ def solve_island(world: int, island: int, h: float, ahead: float, task: int, afr
         predict(world, island, touched)
         whole = search_line(world, island, trial == 0, touched)
     if not found:
-        if touched:
-            fix_contacts(world, island)
+        fix(world, island, touched)
         solve_assumed(world, island, ahead, touched)
     give_joints(world, island, task)
     if touched:
@@ -116,6 +115,18 @@ def factor_island(world: int, island: int, ahead: float, touched: bool) -> None:
     if touched:
         add_contacts(world, island)
     factor(world, integers(world, ISLAND)[island, d.FIRST_NODE], integers(world, ISLAND)[island, d.AFTER_NODE])
+
+
+@compiled(cached=False)
+def fix(world: int, island: int, touched: bool) -> None:
+    """Fix the impulses of laws to those of the accepted solution, within their bounds, except those of limits of joints."""
+    own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
+    if touched:
+        fix_contacts(world, island)
+    for place in range(own[d.FIRST_JOINT], own[d.AFTER_JOINT]):
+        joint = links[order[place, 0], j.LINK_JOINT]
+        if integers(world, JOINT)[joint, j.LAWS] != 0:
+            fix_laws(world, joint, order[place, 0])
 
 
 @compiled(cached=False)

@@ -257,6 +257,32 @@ def update_law_states(world: int, joint: int, link: int, first: bool) -> bool:
 
 
 @compiled(cached=False)
+def fix_laws(world: int, joint: int, link: int) -> None:
+    """Fix the impulses of motors and friction that hold a speed to those of the accepted solution, within their bounds."""
+    laws, numbers, work = (
+        integers(world, JOINT)[joint, j.LAWS],
+        floats(world, JOINT_NUMBERS),
+        floats(world, LINK_NUMBERS),
+    )
+    for k in range(6):
+        if not laws >> k & 1:
+            continue
+        law, state = j.LAW + j.LAW_NUMBERS * k, work[link, j.LAW_STATE + k]
+        if state != STICKS and state != AT_SPEED:
+            continue
+        friction, motor = work[link, law + j.FRICTION_BOUND], work[link, law + j.MOTOR_BOUND]
+        target = work[link, law + j.MOTOR_TARGET]
+        way, speed = _sign(target, 1), 0.0 if state == STICKS else target
+        others = motor * way if state == STICKS else -friction * way
+        most = friction if state == STICKS else motor
+        constant, slope = work[link, law + j.LAW_CONSTANT], work[link, law + j.LAW_SLOPE]
+        middle = others + _drive(speed, constant, slope, work[link, law + j.DRIVE_BOUND])
+        middle -= numbers[joint, j.JOINT_IMPULSE + k]
+        work[link, j.PUSH + k] = min(max(work[link, j.ACCEPTED_IMPULSE + k], middle - most), middle + most)
+        work[link, j.SLOPE + k] = 0.0
+
+
+@compiled(cached=False)
 def refine_laws(world: int, joint: int, link: int) -> float:
     """Let vertical segments begin with the impulses of the solution, and return the largest speed that it leaves there."""
     laws, work, worst = integers(world, JOINT)[joint, j.LAWS], floats(world, LINK_NUMBERS), 0.0
