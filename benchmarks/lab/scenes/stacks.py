@@ -1,4 +1,4 @@
-"""Stacks of boxes drawn at random, which exact statics holds."""
+"""Stacks of boxes drawn at random, which exact statics holds, and chimneys of rings of blocks."""
 
 from itertools import product
 from typing import NamedTuple
@@ -104,4 +104,27 @@ def _trial(spread: float, members: int = 6) -> Trial:
     return Trial(f"{members} stacks drawn at random, {masses}", scenes, 10.0, (rests(), stays(0.03), sinks(0.05)))
 
 
-TRIALS = (_trial(0.0), _trial(1.0), _trial(2.0))
+def _chimney(random: np.random.Generator) -> Scene:
+    """Build 66 to 180 blocks in rings of 5 to 12, every other of them turned by half a block."""
+    count = int(random.integers(5, 13))
+    rings = int(random.integers(66 // count + 1, 180 // count + 1))
+    builder = Builder(friction=random.uniform(0.4, 0.8))
+    builder.plane()
+    radius, height, thickness = random.uniform(0.5, 2.0), random.uniform(0.1, 0.3), random.uniform(0.2, 0.4)
+    width = random.uniform(0.75, 0.95) * 2 * (radius - thickness / 2) * np.tan(np.pi / count)
+    for ring in range(rings):
+        for block in range(count):
+            angle = 2 * np.pi * (block + 0.5 * (ring % 2)) / count
+            at = (radius * np.cos(angle), radius * np.sin(angle), (ring + 0.5) * height)
+            turn = (np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2))
+            builder.box((thickness, width, height), position=at, orientation=turn)
+    return builder.scene()
+
+
+def _chimneys(members: int = 8) -> Trial:
+    random = np.random.default_rng(32)
+    scenes = tuple(_chimney(random) for _ in range(members))
+    return Trial(f"{members} chimneys of 66 to 180 blocks", scenes, 10.0, (rests(0.01), stays(0.05)), quick=False)
+
+
+TRIALS = (_trial(0.0), _trial(1.0), _trial(2.0), _chimneys())
