@@ -99,7 +99,7 @@ def test_fields_that_sweeps_read_come_before_what_they_are_made_of():
         contacts.T,
         contacts.CENTRE,
         contacts.BETWEEN,
-        contacts.GRIP,
+        contacts.FRICTION_MASS,
         contacts.TANGENT_IMPULSE,
         contacts.P,
     )

@@ -148,14 +148,18 @@ def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float,
         k12 = response_to(s, INERTIA_A, lane, p_a, q_a) + response_to(s, INERTIA_B, lane, p_b, q_b)
         k22 = k11 + response_to(s, INERTIA_A, lane, q_a, q_a) + response_to(s, INERTIA_B, lane, q_b, q_b)
         k11 += response_to(s, INERTIA_A, lane, p_a, p_a) + response_to(s, INERTIA_B, lane, p_b, p_b)
-        scale = 1.0 / (k11 * k22 - k12 * k12 + 1e-300)
+        # One mass for all directions, that of the largest response. Off the line of centres the impulse that stops a contact
+        # does not oppose its sliding, as friction does; and where many bodies rest on each other, such impulses overshoot
+        # together: of 40 chimneys of 66 to 180 blocks 10 would move at 0.03 m/s and more for ever, now 2.
+        half, between = 0.5 * (k11 + k22), 0.5 * (k11 - k22)
+        response = half + math.sqrt(between * between + k12 * k12)
         spin = response_to(s, INERTIA_A, lane, normal, normal) + response_to(s, INERTIA_B, lane, normal, normal)
         # The mean of the three inverse moments of inertia: one number for every axis of rolling.
         i, j = INERTIA_A * W + lane, INERTIA_B * W + lane
         trace = s[i] + s[i + W] + s[i + 2 * W] + s[j] + s[j + W] + s[j + 2 * W]
         anew = s[MARK * W + lane] > 0.0
-        put_where(anew, own, c.GRIP, lane, (k22 * scale, k11 * scale, -k12 * scale))
-        old, older = own[c.TWIST_MASS * W + lane], own[c.ROLL_MASS * W + lane]
+        old, older, oldest = own[c.TWIST_MASS * W + lane], own[c.ROLL_MASS * W + lane], own[c.FRICTION_MASS * W + lane]
+        own[c.FRICTION_MASS * W + lane] = 1.0 / (response + 1e-300) if anew else oldest
         own[c.TWIST_MASS * W + lane] = 1.0 / (spin + 1e-300) if anew else old
         own[c.ROLL_MASS * W + lane] = 3.0 / (trace + 1e-300) if anew else older
         put_where(anew, own, c.REFERENCE, lane, vector(s, DELTA_POSE_A + 3, lane))

@@ -52,14 +52,8 @@ def solve_friction(own: Any, s: Any, per_h: float, soft: float, bound: float, n:
         )
         s1 = dot(first, slip) - own[c.SURFACE_SPEED * W + lane]
         s2 = dot(second, slip) - own[(c.SURFACE_SPEED + 1) * W + lane]
-        k11, k22, k12 = vector(own, c.GRIP, lane)
         old1, old2 = own[c.TANGENT_IMPULSE * W + lane], own[(c.TANGENT_IMPULSE + 1) * W + lane]
-        # One mass, the smallest, for all directions. Off the line of centres the impulse that stops a contact does not oppose
-        # its sliding, as friction does; and where many bodies rest on each other, such impulses overshoot together: of 40
-        # chimneys of 66 to 180 blocks 10 would move at 0.03 m/s and more for ever, now 2.
-        most = friction * pressed
-        half, between = 0.5 * (k11 + k22), 0.5 * (k11 - k22)
-        mass = half - math.sqrt(between * between + k12 * k12)
+        most, mass = friction * pressed, own[c.FRICTION_MASS * W + lane]
         new1, new2 = old1 - mass * s1, old2 - mass * s2
         scale = min(1.0, most / math.sqrt(new1 * new1 + new2 * new2 + 1e-300))
         new1, new2 = new1 * scale, new2 * scale

@@ -87,7 +87,7 @@ def _sweep_friction(world: int, hit: Any) -> float:
     s1, s2 = dot(slip, first) - own[c.SURFACE_SPEED * c.WIDTH], dot(slip, second) - own[(c.SURFACE_SPEED + 1) * c.WIDTH]
     k11, k22, k12 = point_at(hit, GRIP)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
-    if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding, as in `friction_and_rolling_simd`
+    if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding: one mass, as in the sweeps
         mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
         f1, f2 = hit[FRICTION] - mass * s1, hit[FRICTION + 1] - mass * s2
         scale = min(1.0, hit[BOUND] / (math.sqrt(f1 * f1 + f2 * f2) + 1e-300))
