@@ -21,7 +21,8 @@ from kickdrift.world.direct.loop_closures import add_closings, load_closings, pr
 from kickdrift.world.direct.matrix import clear_blocks, put_inertia
 from kickdrift.world.direct.substitution import substitute
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.limits_motors import begin_laws, fix_laws, refine_laws, update_law_states
+from kickdrift.world.joints.law_pieces import fix_laws, refine_laws, update_law_states
+from kickdrift.world.joints.limits_motors import begin_laws
 from kickdrift.world.tables import ISLAND, ISLAND_JOINT, JOINT, LINK, LINK_NUMBERS, MOTION, NODE, floats, integers
 
 # Largest number of solutions with different pieces of laws assumed. With 40, sixteen ragdolls in a heap take 1.7 times as long,

@@ -30,7 +30,8 @@ from kickdrift.world.direct.loop_closures import write_axis
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_wrenches import mobility_of_gear
 from kickdrift.world.joints.kinematics import put_vector
-from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, begin_laws, update_law_states
+from kickdrift.world.joints.law_pieces import update_law_states
+from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, begin_laws
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
 from kickdrift.world.tables import (

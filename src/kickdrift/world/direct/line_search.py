@@ -16,7 +16,7 @@ from kickdrift.world.direct.contact_rows import bound_rows, first_row
 from kickdrift.world.direct.direct_bodies import mass_of
 from kickdrift.world.direct.island_velocities import kinetic_energy
 from kickdrift.world.joints import layout as j
-from kickdrift.world.joints.limits_motors import law_impulse
+from kickdrift.world.joints.law_pieces import law_impulse
 from kickdrift.world.tables import (
     ISLAND,
     ISLAND_CONTACT,
