@@ -7,12 +7,12 @@ import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
-from kickdrift.core.vectors import Vector, cross, dot, minus, times
+from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.narrow_phase.clipping import CORNER, LABEL, between
 from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
 from kickdrift.world.collision.narrow_phase.shape_frames import placed_back
-from kickdrift.world.columns import Fields
-from kickdrift.world.contacts.layout import LEFT_OUT, REACHABLE
+from kickdrift.world.columns import Fields, point_at
+from kickdrift.world.contacts.layout import LEFT_OUT, LOAD, REACHABLE
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
 
 # Numbers of a candidate
@@ -23,6 +23,9 @@ FEATURES = _CANDIDATE.field()  # id of the features that meet there
 CANDIDATE = _CANDIDATE.close()
 
 _STEADY = 0.95  # factor by which a candidate must be better than an earlier one, so that the choice does not flicker
+# Of the extent of the chosen points from an edge: distances of a load inside of it and beyond it between which the edge matters
+_NEAR_EDGE, _FAR_BEYOND = 0.2, 0.5
+_SURROUNDINGS = 4  # points that are replaced at most
 _THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
 
 
@@ -102,8 +105,8 @@ def choose(candidates: Any, count: int, normal: Vector, tolerance: float, manifo
     """Choose up to four candidates, write their indices, and return their number.
 
     The lowest four, unless more than four are reachable (`kickdrift.world.contacts.layout.REACHABLE`): then four of these that
-    span nearly the same area. A polyhedron that rolls on many corners would otherwise sink in at the next of them, which is
-    close to the one it stands on and adds no area.
+    span nearly the same area, and have an edge where a load near the border of all of them would tip. A polyhedron that rolls
+    on many corners would otherwise sink in at the next of them, which is close to the one it stands on and adds no area.
     """
     if count <= 4:
         for k in range(count):
@@ -118,6 +121,8 @@ def choose(candidates: Any, count: int, normal: Vector, tolerance: float, manifo
         _drop_above(candidates, count, manifold[REACHABLE])
         count = reachable
         kept = _choose_by_area(candidates, count, normal, tolerance, chosen)
+        if kept == 4:
+            _surround(candidates, count, normal, point_at(manifold, LOAD), chosen)
     manifold[LEFT_OUT] = math.inf
     for k in range(count):
         if not _is_chosen(chosen, kept, k):
@@ -198,6 +203,58 @@ def _choose_by_area(candidates: Any, count: int, normal: Vector, tolerance: floa
         return 3
     chosen[3] = fourth
     return 4
+
+
+@compiled
+def _surround(candidates: Any, count: int, normal: Vector, load: Vector, chosen: Any) -> None:
+    """Replace chosen points until no candidate lies beyond the edge near which a load acts.
+
+    A regular prism of six sides that leans, with its centre of mass above a quarter of the inradius from the border, would
+    rock for ever at six of ten angles, and one of twelve at nine.
+    """
+    for _ in range(_SURROUNDINGS):
+        one, two, inside, closest = 0, 0, 1.0, math.inf
+        for i in range(1, 4):
+            for k in range(i):
+                a, b = _point(candidates, int(chosen[i])), _point(candidates, int(chosen[k]))
+                c, d = (
+                    _point(candidates, int(chosen[_other(i, k, 0)])),
+                    _point(candidates, int(chosen[_other(i, k, 1)])),
+                )
+                area, more = _area(a, b, c, normal), _area(a, b, d, normal)
+                if area * more < 0.0:  # a diagonal
+                    continue
+                side, edge = 1.0 if area + more >= 0.0 else -1.0, length(cross(normal, minus(b, a)))
+                off = side * _area(a, b, load, normal)
+                extent = max(abs(area), abs(more))
+                if -_FAR_BEYOND * extent < off < _NEAR_EDGE * extent and off < closest * edge:
+                    one, two, inside, closest = i, k, side, off / edge
+        if one == two:
+            return
+        a, b = _point(candidates, int(chosen[one])), _point(candidates, int(chosen[two]))
+        third, fourth = _other(one, two, 0), _other(one, two, 1)
+        area = _area(a, b, _point(candidates, int(chosen[third])), normal)
+        more = _area(a, b, _point(candidates, int(chosen[fourth])), normal)
+        beyond, most = count, _THIN * max(abs(area), abs(more))
+        for k in range(count):
+            added = -inside * _area(a, b, _point(candidates, k), normal)
+            if _STEADY * added > most:
+                beyond, most = k, added
+        if beyond == count:
+            return
+        chosen[third if _STEADY * abs(more) > abs(area) else fourth] = beyond
+
+
+@compiled(inline=True)
+def _other(i: int, k: int, which: int) -> int:
+    """Return the first or the second of the numbers from 0 to 3 that are neither i nor k."""
+    found = 0
+    for n in range(4):
+        if n != i and n != k:
+            if found == which:
+                return n
+            found += 1
+    return 0
 
 
 @compiled(inline=True)

@@ -8,7 +8,7 @@ from numba import carray, types
 from kickdrift.core.calls import caller
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
-from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, turned
+from kickdrift.core.vectors import Quaternion, Vector, cross, dot, minus, normal_to, plus, times, turned, turned_back
 from kickdrift.world.collision.narrow_phase.impulse_matching import (
     OLD_SIZE,
     keep_points,
@@ -17,11 +17,14 @@ from kickdrift.world.collision.narrow_phase.impulse_matching import (
 )
 from kickdrift.world.collision.shape_poses import shape_pose
 from kickdrift.world.collision.shape_properties import core_of, sort_of
-from kickdrift.world.columns import point_at, vector_at
+from kickdrift.world.columns import point_at, quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
+    BODY_A,
+    BODY_B,
     CONTACT_STATE,
     FOUND_POSE,
     LEFT_OUT,
+    LOAD,
     MOVING,
     NORMAL,
     ON_A,
@@ -34,7 +37,20 @@ from kickdrift.world.contacts.layout import (
     TRIANGLE_INDEX,
     WIDTH_OF_FACE,
 )
-from kickdrift.world.layout import BEGIN, LAST_LOST, PLACED_ORIENTATION, PLACED_POSITION, RADIUS, SHAPE_KIND, SIZE
+from kickdrift.world.layout import (
+    BEGIN,
+    INVERSE_LINEAR_MASS,
+    LAST_LOST,
+    PLACE_ORIENTATION,
+    PLACE_POSITION,
+    PLACED_ORIENTATION,
+    PLACED_POSITION,
+    POSITION,
+    RADIUS,
+    SHAPE_KIND,
+    SIZE,
+)
+from kickdrift.world.settings import GRAVITY
 from kickdrift.world.shapes.kind_numbers import TRIANGLE
 from kickdrift.world.shapes.record import CENTRE, SURFACE
 from kickdrift.world.shapes.triangle import TRIANGLE_SIZE, begin_of
@@ -42,10 +58,13 @@ from kickdrift.world.tables import (
     COLLIDERS,
     CONTACT,
     GEOMETRY,
+    INVERSE_MASS,
     LOST_POINT,
     MANIFOLD,
     PLACE,
     PLACED,
+    POSE,
+    SETTINGS,
     SHAPE,
     flat,
     floats,
@@ -86,6 +105,7 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     before = contact[row, POINTS]
     old = carray(floats_on_stack(OLD_SIZE), (OLD_SIZE,))
     keep_points(own, before, old)
+    own[LOAD], own[LOAD + 1], own[LOAD + 2] = _load(world, a, b, contact[row, BODY_A], contact[row, BODY_B], at, turn)
     count = write_points(world, row, at, turn, margin, own)
     contact[row, POINTS] = count
     if before == 0:
@@ -96,6 +116,23 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     if on_surface:  # the nearest one may be on another triangle
         lose_points(world, row, old, before, moved, near)
     own[WIDTH_OF_FACE] = _width(own, count)
+
+
+@compiled(inline=True)
+def _load(world: int, a: int, b: int, body_a: int, body_b: int, at: Vector, turn: Quaternion) -> Vector:
+    """Return the centre of mass of the body that the other one carries, in the frame of the first shape.
+
+    That is the one that moves, or of two the upper one.
+    """
+    mass, pose, place = floats(world, INVERSE_MASS), floats(world, POSE), floats(world, PLACE)
+    apart = minus(vector_at(pose, body_b, POSITION), vector_at(pose, body_a, POSITION))
+    fixed_a, fixed_b = mass[body_a, INVERSE_LINEAR_MASS] == 0.0, mass[body_b, INVERSE_LINEAR_MASS] == 0.0
+    upper_is_a = dot(apart, vector_at(floats(world, SETTINGS), 0, GRAVITY)) > 0.0
+    shape = a if fixed_b or (upper_is_a and not fixed_a) else b
+    centre = turned_back(
+        quaternion_at(place, shape, PLACE_ORIENTATION), times(-1.0, vector_at(place, shape, PLACE_POSITION))
+    )
+    return centre if shape == a else plus(at, turned(turn, centre))
 
 
 @compiled
