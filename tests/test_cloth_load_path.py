@@ -216,7 +216,7 @@ def test_momentum_of_loads_is_kept_where_steps_change_in_length():
     for _ in range(10):  # the loads of a cloth that is touched reach the other body one step later
         world.step(STEP)
         off.append(abs(world.momentum()[2] - given))
-    assert min(off) < 1e-9
+    assert np.median(off) < 1e-9
 
 
 def test_loads_of_removed_cloths_are_gone():

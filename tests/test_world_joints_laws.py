@@ -549,8 +549,11 @@ def test_limbs_that_limits_jam_against_each_other_stay_at_rest(joint, friction, 
 # Bounds where the active set is not found
 
 
-def motorised_arm(seed, links):
-    """Make an arm of links of 0.5 m whose motors press it onto a plane; return the world, its hinges and their maxima."""
+def motorised_arm(seed, links, brake=None):
+    """Make an arm of links of 0.5 m whose motors press it onto a plane; return the world, its hinges and their maxima.
+
+    With a `brake`, all but the first hinge have one, of this maximum, in place of a motor, and friction of a tenth of theirs.
+    """
     random = np.random.default_rng(seed)
     world, hinges, most, before, joint = World(), [], [], None, np.array([0, 0, 0.3])
     friction = random.uniform(0.3, 1.0)
@@ -565,7 +568,10 @@ def motorised_arm(seed, links):
             (0.08, 0.08, 0.5), position=joint + way / 2, orientation=(0, *middle), mass=10 ** random.uniform(-0.5, 0.5),
             friction=friction,
         )  # fmt: skip
-        hinges.append(world.add_hinge(before, link, anchor=joint, axis=random.normal(size=3), motor=motor))
+        laws = {"motor": motor}
+        if brake is not None and hinges:
+            laws = {"motor": Motor(0.0, brake), "friction": 0.1 * most[-1]}
+        hinges.append(world.add_hinge(before, link, anchor=joint, axis=random.normal(size=3), **laws))
         before, joint = link, joint + way
     return world, hinges, np.array(most)
 
@@ -579,3 +585,11 @@ def test_motors_that_press_an_arm_onto_a_plane_do_not_exceed_their_maxima(links,
     for _ in range(240):
         world.step(STEP)
         assert (np.abs([hinge.effort for hinge in hinges]) <= 1.01 * most).all()
+
+
+@pytest.mark.parametrize("seed", [48, 69, 93, 115, 134])  # of 150 those that were lost if only friction held there
+def test_brakes_and_friction_of_joints_hold_together_in_an_arm_that_is_pressed_onto_a_plane(seed):
+    world, hinges, most = motorised_arm(seed, 5, math.inf)
+    for _ in range(120):
+        world.step(STEP)
+        assert abs(hinges[0].effort) <= 1.01 * most[0]

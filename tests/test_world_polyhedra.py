@@ -16,6 +16,7 @@ from kickdrift.world.shapes.box import Box
 from kickdrift.world.shapes.hull import Hull
 from kickdrift.world.shapes.kind_numbers import BOX, HULL, PLANE
 from kickdrift.world.shapes.mass_properties import rotation_matrix
+from kickdrift.world.world import World
 
 UNHURRIED = settings(deadline=None)  # the first example compiles
 SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
@@ -379,3 +380,39 @@ def test_the_corner_on_which_a_rocking_body_lands_next_is_a_contact_point(floor)
     steep = Hull([(0, -0.5, 0), (0, 0.5, 0), (-0.5, 0, 0), (0.6, 0.0, 0.09), (0, 0, 1)])  # 0.15 rad
     _, _, on_b, _, _ = collide(floor, steep, (0.0, 0.0, 0.0 if floor is None else 0.5), UPRIGHT, margin=0.1)
     assert len(on_b) == 3
+
+
+def leaning_prism(world, sides, share, yaw):
+    """Add a prism of 0.3 m whose centre of mass is above a share of the inradius of its base, and return its body."""
+    angles = yaw + 2 * np.pi * np.arange(sides) / sides
+    base = 0.3 * np.column_stack([np.cos(angles), np.sin(angles)])
+    lean = 2 * share * 0.3 * np.cos(np.pi / sides)
+    top = np.column_stack([base + np.array([lean, 0.0]), np.full(sides, 0.6)])
+    return world.add_hull(np.vstack([np.column_stack([base, np.zeros(sides)]), top]), mass=1.0, position=(0, 0, 0))
+
+
+@pytest.mark.parametrize("ground", ["plane", "box", "cylinder"])
+@pytest.mark.parametrize(("sides", "share"), [(6, 0.75), (6, 0.9), (8, 0.9), (12, 0.75), (12, 0.9)])
+def test_a_prism_that_leans_stands_while_its_centre_of_mass_is_above_its_base(sides, share, ground):
+    for yaw in np.linspace(0.0, 2 * np.pi / sides, 5, endpoint=False):
+        world = World()
+        if ground == "plane":
+            world.add_plane(friction=0.6)
+        elif ground == "box":
+            world.add_box((4, 4, 1), position=(0, 0, -0.5), static=True, friction=0.6)
+        else:
+            world.add_cylinder(2.0, 1.0, position=(0, 0, -0.5), static=True, friction=0.6)
+        prism = leaning_prism(world, sides, share, yaw)
+        before = prism.position.copy()
+        world.advance(1 / 60, 300)
+        assert np.abs(prism.velocity).max() < 1e-6
+        assert np.abs(prism.position - before).max() < 0.01
+
+
+@pytest.mark.parametrize(("sides", "share"), [(6, 1.05), (12, 1.05)])
+def test_a_prism_that_leans_too_far_falls(sides, share):
+    world = World()
+    world.add_plane(friction=0.6)
+    prism = leaning_prism(world, sides, share, np.pi / sides)
+    world.advance(1 / 60, 120)
+    assert abs(prism.orientation[0]) < 0.97  # 28 degrees and more

@@ -124,7 +124,7 @@ def _chimney(random: np.random.Generator) -> Scene:
 def _chimneys(members: int = 8) -> Trial:
     random = np.random.default_rng(32)
     scenes = tuple(_chimney(random) for _ in range(members))
-    return Trial(f"{members} chimneys of 66 to 180 blocks", scenes, 10.0, (rests(0.01), stays(0.05)), quick=False)
+    return Trial(f"{members} chimneys of 66 to 180 blocks", scenes, 10.0, (rests(0.01), stays(0.05)))
 
 
 TRIALS = (_trial(0.0), _trial(1.0), _trial(2.0), _chimneys())

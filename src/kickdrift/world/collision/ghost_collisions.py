@@ -6,6 +6,8 @@ do, and a body rests on something else along which it slides. Where a body with 
 the points on top of it take the place of those at its side, and carry the body from there on.
 """
 
+import math
+
 from numba import carray
 
 from kickdrift.core.compilation import compiled
@@ -21,7 +23,9 @@ from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FOUND_POSE,
     JUST_FOUND,
+    LOAD,
     POINTS,
+    REACHABLE,
     RECYCLED,
     SHAPE_A,
     SHAPE_B,
@@ -73,6 +77,7 @@ def _is_ghost(world: int, row: int) -> bool:
     if gap < -height or settings[0, STEP] * closing <= height:
         return False
     ahead = carray(floats_on_stack(_SIZE), (1, _SIZE))
+    ahead[0, REACHABLE], ahead[0, LOAD] = manifold[row, REACHABLE], math.nan
     then = plus(at, times((max(gap, 0.0) + beyond) / closing, way))
     count = write_points(world, row, then, turn, settings[0, MARGIN], ahead[0])
     if count > 0:

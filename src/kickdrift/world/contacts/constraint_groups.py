@@ -54,5 +54,5 @@ def lane_count(world: int) -> int:
 
 @compiled(inline=True)
 def run(world: int, kernel: int, own: Any, scratch: Any, x: float, y: float, z: float) -> None:
-    """Run a kernel, a column of `KERNEL_ADDRESSES`, on a group; its three numbers are in `contact_solver_simd`."""
+    """Run a kernel, a column of `KERNEL_ADDRESSES`, on a group; its three numbers are explained in `contact_solver_simd`."""
     run_kernel(integers(world, KERNEL_ADDRESSES)[0, kernel], (own, scratch, x, y, z, lane_count(world)))

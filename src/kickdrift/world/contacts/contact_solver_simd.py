@@ -119,7 +119,7 @@ def solve_normals(own: Any, s: Any, per_h: float, soft: float, bound: float, n: 
 
 
 @compiled(fast=True)
-def apply_impulses(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
+def apply_impulses(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
     """Apply the accumulated impulses to the velocities (warm start); discard the friction of contacts that have just landed.
 
     The friction of a blow is no estimate of what follows, and nothing corrects it before the drift: rocks that land would

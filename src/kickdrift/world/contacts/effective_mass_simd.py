@@ -158,10 +158,11 @@ def refresh_friction(own: Any, s: Any, unused: float, moved: float, none: float,
         i, j = INERTIA_A * W + lane, INERTIA_B * W + lane
         trace = s[i] + s[i + W] + s[i + 2 * W] + s[j] + s[j + W] + s[j + 2 * W]
         anew = s[MARK * W + lane] > 0.0
-        old, older, oldest = own[c.TWIST_MASS * W + lane], own[c.ROLL_MASS * W + lane], own[c.FRICTION_MASS * W + lane]
-        own[c.FRICTION_MASS * W + lane] = 1.0 / (response + 1e-300) if anew else oldest
-        own[c.TWIST_MASS * W + lane] = 1.0 / (spin + 1e-300) if anew else old
-        own[c.ROLL_MASS * W + lane] = 3.0 / (trace + 1e-300) if anew else older
+        twist_mass, roll_mass = own[c.TWIST_MASS * W + lane], own[c.ROLL_MASS * W + lane]
+        friction_mass = own[c.FRICTION_MASS * W + lane]
+        own[c.FRICTION_MASS * W + lane] = 1.0 / (response + 1e-300) if anew else friction_mass
+        own[c.TWIST_MASS * W + lane] = 1.0 / (spin + 1e-300) if anew else twist_mass
+        own[c.ROLL_MASS * W + lane] = 3.0 / (trace + 1e-300) if anew else roll_mass
         put_where(anew, own, c.REFERENCE, lane, vector(s, DELTA_POSE_A + 3, lane))
         put_where(anew, own, c.REFERENCE + 3, lane, vector(s, DELTA_POSE_B + 3, lane))
         way_a, way_b = vector(s, DELTA_POSE_A, lane), vector(s, DELTA_POSE_B, lane)

@@ -12,7 +12,7 @@ _LEVER = (c.P + c.LEVER) * W
 
 
 @compiled(fast=True)
-def solve_friction(own: Any, s: Any, per_h: float, soft: float, bound: float, n: int) -> None:
+def solve_friction(own: Any, s: Any, unused: float, none: float, nothing: float, n: int) -> None:
     """Do one sweep over rolling resistance, torsional friction and friction at the centre, bounded by the normal impulses."""
     for lane in range(n):
         normal = vector(own, c.N, lane)

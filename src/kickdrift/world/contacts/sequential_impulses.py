@@ -58,7 +58,7 @@ def _warm_start_group(world: int, h: float, g: int) -> None:
     else:
         gather(world, g, motion, VELOCITY_A, scratch)
     gather_inertia(world, g, scratch)
-    run(world, c.APPLY_IMPULSES, own, scratch, 1.0 / h, 1.0, 0.0)
+    run(world, c.APPLY_IMPULSES, own, scratch, 0.0, 0.0, 0.0)
     if linked:
         add_changes(world, g, motion, scratch)
     else:
@@ -91,7 +91,7 @@ def _relax_group(world: int, h: float, g: int) -> None:
     if is_linked(world, g):  # the direct solver finds its impulses
         return
     least = _TOUCHING * floats(world, SETTINGS)[0, SLOP]
-    run(world, c.SOLVE_FRICTION, own, scratch, 1.0 / h, 0.0, 0.0)
+    run(world, c.SOLVE_FRICTION, own, scratch, 0.0, 0.0, 0.0)
     run(world, c.SOLVE_NORMALS, own, scratch, 1.0 / h, 0.0, least)
     scatter(world, g, motion, scratch)
 

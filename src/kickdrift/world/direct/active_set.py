@@ -36,11 +36,12 @@ BOUNCE_FRICTION_TRIALS = 60
 
 # Largest number of iterative refinements with the same matrix, if held rows have a residual above REFINED, m/s: for islands
 # with joints, and for heaps, whose mass ratios are the worst, and which come to rest the better the smaller the residual is.
-# The next two are the residuals allowed to contacts of these, the last one to those of islands with joints in a bounce. With
-# 1e-6 for _NOTICED_POINT, sixteen ragdolls take 1.13 times as long, a quadruped 1.06 times. With 1e-4 the feet of one whose
-# joints swing by 2 mrad creep at 5e-6 m/s, with 3e-5 and less at 9e-7.
+# _NOTICED_POINT, and in bounces _NOTICED_HIT, is the residual allowed to contacts of the former, _NOTICED_HEAP_POINT that to
+# contacts of the latter. With 1e-6 for _NOTICED_POINT, sixteen ragdolls take 1.13 times as long, a quadruped 1.06 times. With
+# 1e-4 the feet of one whose joints swing by 2 mrad creep at 5e-6 m/s, with 3e-5 and less at 9e-7.
 REFINEMENTS, REFINED = 3, 1e-9
-_HEAP_REFINEMENTS, _NOTICED_POINT, _NOTICED_HEAP_POINT, _NOTICED_HIT = 5, 3e-5, 1e-7, 1e-6
+_HEAP_REFINEMENTS = 5
+_NOTICED_POINT, _NOTICED_HIT, _NOTICED_HEAP_POINT = 3e-5, 1e-6, 1e-7
 
 # Except in bounces, contacts may have a residual of this fraction of `inner_speed`, the root mean square speed of internal
 # motion. In heaps of ragdolls that have just fallen, a projection takes 9.1 solutions without, 8.2 with 7e-4, and 6.7 with
@@ -94,7 +95,7 @@ def solve_island(world: int, island: int, h: float, ahead: float, task: int, afr
         predict(world, island, touched)
         whole = search_line(world, island, trial == 0, touched)
     if not found:
-        fix(world, island, touched)
+        fix_impulses(world, island, touched)
         solve_assumed(world, island, ahead, touched)
     give_joints(world, island, task)
     if touched:
@@ -119,8 +120,8 @@ def factor_island(world: int, island: int, ahead: float, touched: bool) -> None:
 
 
 @compiled(cached=False)
-def fix(world: int, island: int, touched: bool) -> None:
-    """Fix the impulses of laws to those of the accepted solution, within their bounds, except those of limits of joints."""
+def fix_impulses(world: int, island: int, touched: bool) -> None:
+    """Fix the impulses of contacts, and of motors and friction of joints, to those of the accepted solution, within bounds."""
     own, order, links = integers(world, ISLAND)[island], integers(world, ISLAND_JOINT), integers(world, LINK)
     if touched:
         fix_contacts(world, island)

@@ -30,7 +30,7 @@ from kickdrift.world.direct.loop_closures import write_axis
 from kickdrift.world.joints import layout as j
 from kickdrift.world.joints.gear_wrenches import mobility_of_gear
 from kickdrift.world.joints.kinematics import put_vector
-from kickdrift.world.joints.law_pieces import update_law_states
+from kickdrift.world.joints.law_pieces import fix_laws, update_law_states
 from kickdrift.world.joints.limits_motors import AFTER_DRIFT, BEFORE_DRIFT, begin_laws
 from kickdrift.world.joints.right_hand_side import GENTLY, RELAX, write_right_hand_side
 from kickdrift.world.layout import INVERSE_INERTIA_IN_WORLD, INVERSE_LINEAR_MASS
@@ -109,10 +109,12 @@ def _solve(world: int, joint: int, at: int, h: float, phase: int) -> None:
     responses = carray(floats_on_stack(36), (6, 6))
     _find_responses(world, joint, at, active, responses)
     begin_laws(world, joint, at, h, phase)
-    for trial in range(TRIALS):
+    for trial in range(TRIALS + 1):
         settled = laws == 0 or update_law_states(world, joint, at, trial == 0)
         if trial > 0 and settled:
             break
+        if trial == TRIALS:
+            fix_laws(world, joint, at)
         _solve_axes(world, at, active, responses)
         for k in range(6):
             work[at, j.DELTA_SPEED + k] = 0.0
@@ -120,6 +122,7 @@ def _solve(world: int, joint: int, at: int, h: float, phase: int) -> None:
                 if active >> k & 1 and active >> other & 1:
                     work[at, j.DELTA_SPEED + k] += responses[k, other] * work[at, j.AXIS_IMPULSE + other]
             work[at, j.ACCEPTED_DELTA_SPEED + k] = work[at, j.DELTA_SPEED + k]
+            work[at, j.ACCEPTED_IMPULSE + k] = work[at, j.AXIS_IMPULSE + k]
 
 
 @compiled(cached=False)

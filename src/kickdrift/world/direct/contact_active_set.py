@@ -10,7 +10,7 @@ from kickdrift.core.vectors import length
 from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct import layout as d
-from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row
+from kickdrift.world.direct.contact_lookup import contact_row, linked_bodies, linked_constraint
 from kickdrift.world.direct.contact_rows import (
     GRIP,
     PRESSING,
@@ -21,7 +21,7 @@ from kickdrift.world.direct.contact_rows import (
     bound_rows,
     find_bounds,
     first_row,
-    fix,
+    fix_rows,
     impulse_field,
     share_stiffness,
     update_bound_states,
@@ -73,14 +73,19 @@ def begin_contacts(world: int, island: int, h: float, task: int) -> None:
     order = integers(world, ISLAND_CONTACT)
     fallen, mass = h * length(vector_at(floats(world, SETTINGS), 0, GRAVITY)), mass_of(world, island)
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        weigh(constraint(world, order[k, 0]), contact_row(world, order[k, 0]), fallen if task < BOUNCE else 0.0, mass)
+        weigh(
+            linked_constraint(world, order[k, 0]),
+            contact_row(world, order[k, 0]),
+            fallen if task < BOUNCE else 0.0,
+            mass,
+        )
         _begin_contact(world, order[k, 0], island, h, task)
 
 
 @compiled(cached=False, fast=True)
 def _begin_contact(world: int, index: int, island: int, h: float, task: int) -> None:
-    own, numbers = constraint(world, index), contact_row(world, index)
-    a, b = bodies_of(world, index)
+    own, numbers = linked_constraint(world, index), contact_row(world, index)
+    a, b = linked_bodies(world, index)
     velocity, change = twelve(), twelve()
     read_both(world, MOTION, a, b, velocity)
     read_both(world, DELTA_POSE, a, b, change)
@@ -215,7 +220,7 @@ def note_impulses(world: int, island: int, back: bool) -> None:
     """Store the impulses with which the substep begins, or, with `back`, restore them."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        numbers, fields = contact_row(world, order[k, 0]), constraint(world, order[k, 0])
+        numbers, fields = contact_row(world, order[k, 0]), linked_constraint(world, order[k, 0])
         for i in range(d.CONTACT_ROWS):
             if back:
                 fields[impulse_field(i) * c.WIDTH] = numbers[d.START + i]
@@ -248,7 +253,7 @@ def bounds_hold(world: int, island: int, task: int, unnoticed: float) -> bool:
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         numbers = contact_row(world, order[k, 0])
         before = numbers[d.BOUND]
-        find_bounds(constraint(world, order[k, 0]), numbers)
+        find_bounds(linked_constraint(world, order[k, 0]), numbers)
         near = max(_NEAR * before, max(SLIPPED, unnoticed) * numbers[d.ROW_MASS + d.TANGENT])
         hold = hold and abs(numbers[d.BOUND] - before) <= near
     return hold
@@ -259,4 +264,4 @@ def fix_contacts(world: int, island: int) -> None:
     """Fix the impulses of the contacts of an island to those of the accepted solution, within their bounds."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        fix(constraint(world, order[k, 0]), contact_row(world, order[k, 0]))
+        fix_rows(linked_constraint(world, order[k, 0]), contact_row(world, order[k, 0]))

@@ -6,7 +6,7 @@ from kickdrift.world.columns import point_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import BOUNCE, PRESS, REST, read_both, twelve
-from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row
+from kickdrift.world.direct.contact_lookup import contact_row, linked_bodies, linked_constraint
 from kickdrift.world.direct.contact_rows import bind, bind_points, bound_of, first_row, give_of, impulse_field
 from kickdrift.world.direct.contact_wrenches import along, wrench_of, write_wrench
 from kickdrift.world.impulses import push_body
@@ -59,8 +59,8 @@ def give_contacts(world: int, island: int, task: int) -> None:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     given = twelve()
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        index, bodies = order[k, 0], bodies_of(world, order[k, 0])
-        numbers, own_fields = contact_row(world, index), constraint(world, index)
+        index, bodies = order[k, 0], linked_bodies(world, order[k, 0])
+        numbers, own_fields = contact_row(world, index), linked_constraint(world, index)
         for m in range(12):
             given[m] = 0.0
         if task in (PRESS, BOUNCE):
@@ -87,7 +87,7 @@ def forget_contacts(world: int, island: int) -> None:
     """Undo the impulses with which contacts were warm started."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        numbers, fields = contact_row(world, order[k, 0]), constraint(world, order[k, 0])
+        numbers, fields = contact_row(world, order[k, 0]), linked_constraint(world, order[k, 0])
         for i in range(d.CONTACT_ROWS):
             numbers[d.ACTIVE + i], numbers[d.IMPULSE + i] = 1.0, fields[impulse_field(i) * c.WIDTH]
             numbers[d.GIVEN + i] = -numbers[d.IMPULSE + i]
@@ -101,8 +101,8 @@ def left_of_contacts(world: int, island: int) -> float:
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     velocity, most = twelve(), 0.0
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        numbers, fields = contact_row(world, order[k, 0]), constraint(world, order[k, 0])
-        a, b = bodies_of(world, order[k, 0])
+        numbers, fields = contact_row(world, order[k, 0]), linked_constraint(world, order[k, 0])
+        a, b = linked_bodies(world, order[k, 0])
         read_both(world, MOTION, a, b, velocity)
         for i in range(d.TANGENT):
             if numbers[d.ACTIVE + i] != 0.0 and fields[impulse_field(i) * c.WIDTH] > 0.0:

@@ -24,14 +24,14 @@ def contact_row(world: int, index: int) -> Any:
 
 
 @compiled(inline=True, cached=False, fast=True)
-def constraint(world: int, index: int) -> Any:
+def linked_constraint(world: int, index: int) -> Any:
     """Return the constraint of a contact: field k is number k WIDTH."""
     g = integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
     return flat(world, LANES)[g * c.GROUP_SIZE + index % c.WIDTH : (g + 1) * c.GROUP_SIZE]
 
 
 @compiled(inline=True, cached=False, fast=True)
-def bodies_of(world: int, index: int) -> tuple[int, int]:
+def linked_bodies(world: int, index: int) -> tuple[int, int]:
     """Return the bodies of a contact."""
     groups, g = integers(world, GROUPS), integers(world, COLOURS)[LINKED, c.FIRST_GROUP] + index // c.WIDTH
     return groups[g, c.BODIES_A + index % c.WIDTH], groups[g, c.BODIES_B + index % c.WIDTH]

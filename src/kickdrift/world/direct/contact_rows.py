@@ -237,7 +237,7 @@ def bind(rows: Any) -> None:
 
 
 @compiled(cached=False, fast=True)
-def fix(own: Any, rows: Any) -> None:
+def fix_rows(own: Any, rows: Any) -> None:
     """Fix the impulses of all rows to those that act on the bodies in the accepted solution, within their bounds.
 
     The impulses of the laws at these velocities may be far from them if rows are stiff.

@@ -4,7 +4,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.world.collision.broad_phase.filters_and_sensors import is_solid
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct import layout as d
-from kickdrift.world.direct.contact_lookup import bodies_of
+from kickdrift.world.direct.contact_lookup import linked_bodies
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import AWAKE, BODY_KIND, DYNAMIC, IN_HEAP, INVERSE_LINEAR_MASS, LINK_COUNT, LINK_PLACE, MASS
 from kickdrift.world.step.status import ask_for_room
@@ -119,7 +119,7 @@ def node_of(world: int, body: int) -> int:
 @compiled(cached=False)
 def nodes_of_contact(world: int, index: int) -> tuple[int, int]:
     """Return the rows of LINK of the bodies of a contact that is solved directly, -1 as in `node_of`."""
-    a, b = bodies_of(world, index)
+    a, b = linked_bodies(world, index)
     return node_of(world, a), node_of(world, b)
 
 

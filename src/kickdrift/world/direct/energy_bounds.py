@@ -11,7 +11,7 @@ from kickdrift.world.columns import vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.contacts.constraint_groups import vector_of
 from kickdrift.world.direct import layout as d
-from kickdrift.world.direct.contact_lookup import bodies_of, constraint
+from kickdrift.world.direct.contact_lookup import linked_bodies, linked_constraint
 from kickdrift.world.direct.direct_bodies import is_across, mass_of, node_of
 from kickdrift.world.direct.island_velocities import energy_of
 from kickdrift.world.joints import layout as j
@@ -66,7 +66,7 @@ def energy_received(world: int, island: int, before: Table) -> float:
     """
     own, order, lost = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), 0.0
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        for body in bodies_of(world, order[k, 0]):
+        for body in linked_bodies(world, order[k, 0]):
             if is_across(world, island, body):
                 less = energy_of(world, body, before, POSE) - energy_of(world, body, MOTION, POSE)
                 lost += max(less, 0.0)
@@ -79,9 +79,9 @@ def driving_speed(world: int, island: int) -> float:
     own, order, motion = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), floats(world, MOTION)
     most = 0.0
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        fields = constraint(world, order[k, 0])
+        fields = linked_constraint(world, order[k, 0])
         most = max(most, abs(fields[c.SURFACE_SPEED * c.WIDTH]), abs(fields[(c.SURFACE_SPEED + 1) * c.WIDTH]))
-        bodies, arm = bodies_of(world, order[k, 0]), vector_of(fields, c.CENTRE)
+        bodies, arm = linked_bodies(world, order[k, 0]), vector_of(fields, c.CENTRE)
         for side in range(2):
             body = bodies[1] if side == 1 else bodies[0]
             if node_of(world, body) < 0:

@@ -16,7 +16,7 @@ from kickdrift.core.vectors import applied, times
 from kickdrift.world.columns import symmetric_at, vector_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct import layout as d
-from kickdrift.world.direct.contact_lookup import constraint
+from kickdrift.world.direct.contact_lookup import linked_constraint
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.direct_bodies import body_of
 from kickdrift.world.joints import layout as j
@@ -114,7 +114,7 @@ def _is_unloaded(world: int, island: int) -> bool:
     if own[d.TOUCHES] != 0 and own[d.FIRST_CONTACT] == own[d.AFTER_CONTACT]:
         return False
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        fields = constraint(world, order[k, 0])
+        fields = linked_constraint(world, order[k, 0])
         for i in range(d.TANGENT):
             if fields[impulse_field(i) * c.WIDTH] != 0.0:
                 return False

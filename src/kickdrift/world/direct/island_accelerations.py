@@ -9,7 +9,7 @@ from kickdrift.world.columns import point_at
 from kickdrift.world.contacts import layout as c
 from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import REST, twelve
-from kickdrift.world.direct.contact_lookup import bodies_of, constraint
+from kickdrift.world.direct.contact_lookup import linked_bodies, linked_constraint
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contact_wrenches import write_wrench
 from kickdrift.world.direct.direct_bodies import body_of, node_of, place_in
@@ -69,7 +69,7 @@ def _push_by_contacts(world: int, island: int) -> None:
     """Apply the impulses of the contacts on which bodies of an island rest."""
     own, order, wrench = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT), twelve()
     for place in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        fields, (a, b) = constraint(world, order[place, 0]), bodies_of(world, order[place, 0])
+        fields, (a, b) = linked_constraint(world, order[place, 0]), linked_bodies(world, order[place, 0])
         for row in range(d.CONTACT_ROWS):
             impulse = fields[impulse_field(row) * c.WIDTH]
             if impulse == 0.0:

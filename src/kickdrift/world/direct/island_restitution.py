@@ -23,7 +23,7 @@ from kickdrift.world.contacts.bounce_speed import restitution_of, slowest_bounce
 from kickdrift.world.contacts.impacts.struck_bodies import strikes
 from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import BOUNCE, BOUNCE_FRICTION, read_both, twelve
-from kickdrift.world.direct.contact_lookup import bodies_of, constraint, contact_row, row_of
+from kickdrift.world.direct.contact_lookup import contact_row, linked_bodies, linked_constraint, row_of
 from kickdrift.world.direct.contact_rows import impulse_field
 from kickdrift.world.direct.contact_wrenches import along, write_wrench
 from kickdrift.world.direct.energy_bounds import energy_driven
@@ -107,7 +107,7 @@ def _leave_impacts(world: int, island: int) -> None:
     """Let the solution of the substep stop all points of an island, and not only those too slow to bounce in the next one."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        constraint(world, order[k, 0])[c.BOUNCE_THRESHOLD * c.WIDTH] = 1e300
+        linked_constraint(world, order[k, 0])[c.BOUNCE_THRESHOLD * c.WIDTH] = 1e300
 
 
 @compiled(cached=False)
@@ -128,8 +128,8 @@ def _find_hits(world: int, island: int, h: float) -> bool:
 @compiled(cached=False)
 def _hits(world: int, index: int, may_hit: bool, h: float) -> bool:
     """Mark the points of a contact that hit (HITS); return whether any hits within the substep."""
-    a, b = bodies_of(world, index)
-    own, numbers = constraint(world, index), contact_row(world, index)
+    a, b = linked_bodies(world, index)
+    own, numbers = linked_constraint(world, index), contact_row(world, index)
     row = row_of(world, index)
     slowest, closing = slowest_bounce(world, h, row), closing_acceleration(world, row)
     velocity, change, wrench = twelve(), twelve(), twelve()
@@ -166,9 +166,9 @@ def _find_speeds(world: int, island: int) -> None:
     velocity, change, forced, wrench = twelve(), twelve(), twelve(), twelve()
     for place in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
         index = order[place, 0]
-        a, b = bodies_of(world, index)
+        a, b = linked_bodies(world, index)
         fields, numbers, e = (
-            constraint(world, index),
+            linked_constraint(world, index),
             contact_row(world, index),
             restitution_of(world, row_of(world, index)),
         )

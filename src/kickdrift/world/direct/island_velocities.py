@@ -12,7 +12,7 @@ from kickdrift.world.columns import quaternion_at, symmetric_at, vector_at
 from kickdrift.world.direct import layout as d
 from kickdrift.world.direct.contact_active_set import note_impulses
 from kickdrift.world.direct.contact_impulses import forget_contacts
-from kickdrift.world.direct.contact_lookup import bodies_of
+from kickdrift.world.direct.contact_lookup import linked_bodies
 from kickdrift.world.direct.direct_bodies import body_of, is_across
 from kickdrift.world.joints import layout as j
 from kickdrift.world.layout import BODY_INERTIA, MASS
@@ -118,7 +118,7 @@ def _copy_across(world: int, island: int, source: Table, target: Table) -> None:
     """Copy the velocities of bodies of other islands that the contacts of an island push."""
     own, order = integers(world, ISLAND)[island], integers(world, ISLAND_CONTACT)
     for k in range(own[d.FIRST_CONTACT], own[d.AFTER_CONTACT]):
-        for body in bodies_of(world, order[k, 0]):
+        for body in linked_bodies(world, order[k, 0]):
             if is_across(world, island, body):
                 _copy_of(world, body, source, target)
 

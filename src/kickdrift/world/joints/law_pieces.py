@@ -156,7 +156,10 @@ def update_law_states(world: int, joint: int, link: int, first: bool) -> bool:
 
 @compiled(cached=False)
 def fix_laws(world: int, joint: int, link: int) -> None:
-    """Fix the impulses of motors and friction that hold a speed to those of the accepted solution, within their bounds."""
+    """Fix the impulses of motors and friction that hold a speed to those of the accepted solution, within their bounds.
+
+    Where no solution is found, they would hold that speed whatever it takes. Limits and drives keep their assumed pieces.
+    """
     laws, numbers, work = (
         integers(world, JOINT)[joint, j.LAWS],
         floats(world, JOINT_NUMBERS),
@@ -171,8 +174,9 @@ def fix_laws(world: int, joint: int, link: int) -> None:
         friction, motor = work[link, law + j.FRICTION_BOUND], work[link, law + j.MOTOR_BOUND]
         target = work[link, law + j.MOTOR_TARGET]
         way, speed = _sign(target, 1), 0.0 if state == STICKS else target
-        others = motor * way if state == STICKS else -friction * way
-        most = friction if state == STICKS else motor
+        others, most = (motor * way, friction) if state == STICKS else (-friction * way, motor)
+        if target == 0.0:  # a brake and friction hold together
+            others, most = 0.0, friction + motor
         constant, slope = work[link, law + j.LAW_CONSTANT], work[link, law + j.LAW_SLOPE]
         middle = others + _drive(speed, constant, slope, work[link, law + j.DRIVE_BOUND])
         middle -= numbers[joint, j.JOINT_IMPULSE + k]

@@ -99,7 +99,7 @@ def _held_torque(world: int, joint: int, link: int, k: int, h: float) -> float:
 
 @compiled(cached=False)
 def begin_laws(world: int, joint: int, link: int, h: float, phase: int) -> None:
-    """Write the laws of a joint for a solution; drives are those computed before the last drift."""
+    """Write the laws of a joint for a solution; drives are computed before the drift, and kept after it."""
     laws, axes = integers(world, JOINT)[joint, j.LAWS], floats(world, JOINT_AXES)
     if phase == BEFORE_DRIFT:
         for k in range(6):

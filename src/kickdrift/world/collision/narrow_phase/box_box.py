@@ -26,6 +26,8 @@ from kickdrift.world.collision.narrow_phase.face_bias import PARALLEL, SHARE_OFF
 from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE, choose, put_candidates, put_manifold
 from kickdrift.world.collision.narrow_phase.sat_edges import EDGE, put_closest, put_edges, put_row
 from kickdrift.world.collision.narrow_phase.shape_frames import set_at_rest, set_frame
+from kickdrift.world.columns import point_at
+from kickdrift.world.contacts.layout import LOAD
 from kickdrift.world.shapes.polyhedron import EDGES, edge, loop_edge
 
 # Room for a face clipped by another, and for all edges
@@ -62,7 +64,7 @@ def box_box(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
         count, depth = _clipped(own, own_frame, face, other, other_frame, by_b, margin, SLACK * tolerance, candidates)
         if count > 0 and (attempt >= 2 or abs(depth - gap) <= off):
             normal = normal_of(own_frame, face)
-            count = choose(candidates, count, normal, tolerance, manifold, chosen)
+            count = choose(candidates, count, normal, tolerance, point_at(manifold, LOAD), manifold, chosen)
             put_manifold(manifold, candidates, chosen, count, normal, frame, by_b)
             return count
     return 0

@@ -25,7 +25,9 @@ from kickdrift.world.collision.narrow_phase.manifold_reduction import (
     put_candidate,
 )
 from kickdrift.world.collision.narrow_phase.sat_faces import incident_face
-from kickdrift.world.collision.narrow_phase.shape_frames import directed_back, placed_back
+from kickdrift.world.collision.narrow_phase.shape_frames import directed_back, placed, placed_back
+from kickdrift.world.columns import point_at
+from kickdrift.world.contacts.layout import LOAD
 from kickdrift.world.shapes.closest_points import along
 from kickdrift.world.shapes.frustum import Frustum, highest, side_normal
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_vertex, plane, vertex
@@ -77,7 +79,8 @@ def lie_on_face(
             put_candidate(candidates, CANDIDATE * kept, p, gap, feature)
             kept, depth = kept + 1, min(depth, gap)
     chosen = floats_on_stack(4)
-    kept = choose(candidates, kept, normal, tolerance if sine < FLAT_ON else _BALANCED * radius, manifold, chosen)
+    tolerance = tolerance if sine < FLAT_ON else _BALANCED * radius
+    kept = choose(candidates, kept, normal, tolerance, placed(frame, point_at(manifold, LOAD)), manifold, chosen)
     for k in range(kept):
         i = CANDIDATE * int(chosen[k])
         p = (candidates[i], candidates[i + 1], candidates[i + 2])
@@ -113,7 +116,7 @@ def stand_on_end(
             put_candidate(candidates, CANDIDATE * kept, p, gap, feature)
             kept, depth = kept + 1, min(depth, gap)
     chosen = floats_on_stack(4)
-    kept = choose(candidates, kept, normal, tolerance, manifold, chosen)
+    kept = choose(candidates, kept, normal, tolerance, placed(frame, point_at(manifold, LOAD)), manifold, chosen)
     for k in range(kept):
         i = CANDIDATE * int(chosen[k])
         p = (candidates[i], candidates[i + 1], candidates[i + 2])

@@ -11,8 +11,8 @@ from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.narrow_phase.clipping import CORNER, LABEL, between
 from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
 from kickdrift.world.collision.narrow_phase.shape_frames import placed_back
-from kickdrift.world.columns import Fields, point_at
-from kickdrift.world.contacts.layout import LEFT_OUT, LOAD, REACHABLE
+from kickdrift.world.columns import Fields
+from kickdrift.world.contacts.layout import LEFT_OUT, REACHABLE
 from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
 
 # Numbers of a candidate
@@ -25,7 +25,7 @@ CANDIDATE = _CANDIDATE.close()
 _STEADY = 0.95  # factor by which a candidate must be better than an earlier one, so that the choice does not flicker
 # Of the extent of the chosen points from an edge: distances of a load inside of it and beyond it between which the edge matters
 _NEAR_EDGE, _FAR_BEYOND = 0.2, 0.5
-_SURROUNDINGS = 4  # points that are replaced at most
+_MOST_REPLACED = 4  # points that are replaced at most
 _THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
 
 
@@ -101,12 +101,15 @@ def put_candidates(
 
 
 @compiled
-def choose(candidates: Any, count: int, normal: Vector, tolerance: float, manifold: Any, chosen: Any) -> int:
+def choose(
+    candidates: Any, count: int, normal: Vector, tolerance: float, load: Vector, manifold: Any, chosen: Any
+) -> int:
     """Choose up to four candidates, write their indices, and return their number.
 
     The lowest four, unless more than four are reachable (`kickdrift.world.contacts.layout.REACHABLE`): then four of these that
     span nearly the same area, and have an edge where a load near the border of all of them would tip. A polyhedron that rolls
     on many corners would otherwise sink in at the next of them, which is close to the one it stands on and adds no area.
+    `load` is the centre of mass of the body that is carried, in the frame of the candidates.
     """
     if count <= 4:
         for k in range(count):
@@ -122,7 +125,7 @@ def choose(candidates: Any, count: int, normal: Vector, tolerance: float, manifo
         count = reachable
         kept = _choose_by_area(candidates, count, normal, tolerance, chosen)
         if kept == 4:
-            _surround(candidates, count, normal, point_at(manifold, LOAD), chosen)
+            _surround(candidates, count, normal, load, chosen)
     manifold[LEFT_OUT] = math.inf
     for k in range(count):
         if not _is_chosen(chosen, kept, k):
@@ -209,10 +212,10 @@ def _choose_by_area(candidates: Any, count: int, normal: Vector, tolerance: floa
 def _surround(candidates: Any, count: int, normal: Vector, load: Vector, chosen: Any) -> None:
     """Replace chosen points until no candidate lies beyond the edge near which a load acts.
 
-    A regular prism of six sides that leans, with its centre of mass above a quarter of the inradius from the border, would
-    rock for ever at six of ten angles, and one of twelve at nine.
+    Of regular prisms that lean with their centre of mass above the base, a quarter or a tenth of the inradius from its border,
+    those of six, twelve and twenty sides rock for ever or fall at most angles without.
     """
-    for _ in range(_SURROUNDINGS):
+    for _ in range(_MOST_REPLACED):
         one, two, inside, closest = 0, 0, 1.0, math.inf
         for i in range(1, 4):
             for k in range(i):

@@ -12,6 +12,8 @@ from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE,
 from kickdrift.world.collision.narrow_phase.rocking_vertex import add_to_chosen, vertex_beside
 from kickdrift.world.collision.narrow_phase.sat_faces import CANDIDATES, PLACED, incident_face, place_polyhedron
 from kickdrift.world.collision.narrow_phase.shape_frames import set_frame
+from kickdrift.world.columns import point_at
+from kickdrift.world.contacts.layout import LOAD
 from kickdrift.world.shapes.polyhedron import THICKNESS, loop, loop_vertex, pointer_to, vertex
 
 _UP: Vector = (0.0, 0.0, 1.0)
@@ -53,7 +55,9 @@ def plane_hull(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> int:
         if corner[2] <= margin:
             put_candidate(candidates, CANDIDATE * count, corner, corner[2], number)
             count += 1
-    kept = choose(candidates, count, _UP, tolerance_of(margin, hull[THICKNESS]), manifold, chosen)
+    kept = choose(
+        candidates, count, _UP, tolerance_of(margin, hull[THICKNESS]), point_at(manifold, LOAD), manifold, chosen
+    )
     beside, gap = vertex_beside(hull, seen, face, hull, seen, -1, _UP, 0.0)
     if gap <= margin:
         put_candidate(candidates, CANDIDATE * count, vertex(seen, beside), gap, beside)

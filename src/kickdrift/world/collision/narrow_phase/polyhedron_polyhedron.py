@@ -29,6 +29,8 @@ from kickdrift.world.collision.narrow_phase.sat_faces import (
     separation_of_faces,
 )
 from kickdrift.world.collision.narrow_phase.shape_frames import set_frame
+from kickdrift.world.columns import point_at
+from kickdrift.world.contacts.layout import LOAD
 from kickdrift.world.shapes.polyhedron import MOST_EDGES, MOST_VERTICES, PUSHING, THICKNESS, plane, pointer_to, vertex
 
 _EDGES = EDGE * MOST_EDGES
@@ -145,7 +147,7 @@ def touching(
         if depth > margin or depth < least:
             continue
         if attempt >= 2 or abs(depth - gap) <= off:
-            kept = choose(candidates, count, normal, tolerance, manifold, chosen)
+            kept = choose(candidates, count, normal, tolerance, point_at(manifold, LOAD), manifold, chosen)
             if least <= height <= margin:
                 ids = beside + (MOST_VERTICES if by_b else 0)
                 put_candidate(candidates, CANDIDATE * count, vertex(other_seen, beside), height, ids)

@@ -43,7 +43,7 @@ APPROACH = column(IMPACT, 1, "m/s")  # its speed where the impulse acts: half wa
 BOUNCE = column(IMPACT)  # coefficient of restitution e
 ARM_A = column(IMPACT, 3, "m")  # from the centres of both bodies to the centre of the contact
 ARM_B = column(IMPACT, 3, "m")
-GRIP = column(IMPACT, 3, "kg")  # inverse of the response to friction
+INVERSE_RESPONSE = column(IMPACT, 3, "kg")  # inverse of the response to friction
 FRICTION = column(IMPACT, 2, "N s")
 BOUND = column(IMPACT, 1, "N s")  # of friction
 IMPACT_POINTS = column(IMPACT, 4 * POINT_SIZE)
@@ -109,7 +109,7 @@ def meet(world: int, hit: Any, least: float) -> None:
     k11, k22 = _response(world, hit, first, first), _response(world, hit, second, second)
     k12 = _response(world, hit, first, second)
     scale = 1.0 / (k11 * k22 - k12 * k12)
-    put_vector(hit, GRIP, (scale * k22, scale * k11, -scale * k12))
+    put_vector(hit, INVERSE_RESPONSE, (scale * k22, scale * k11, -scale * k12))
     hit[FRICTION], hit[FRICTION + 1] = 0.0, 0.0
 
 

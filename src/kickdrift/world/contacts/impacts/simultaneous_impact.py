@@ -22,8 +22,8 @@ from kickdrift.world.contacts.impacts.impact_rows import (
     BOUNCE,
     BOUND,
     FRICTION,
-    GRIP,
     IMPULSE,
+    INVERSE_RESPONSE,
     NORMAL,
     PLASTIC,
     ROW,
@@ -85,7 +85,7 @@ def _sweep_friction(world: int, hit: Any) -> float:
         plus(vector_at(motion, a, VELOCITY), cross(vector_at(motion, a, ANGULAR_VELOCITY), arm_a)),
     )
     s1, s2 = dot(slip, first) - own[c.SURFACE_SPEED * c.WIDTH], dot(slip, second) - own[(c.SURFACE_SPEED + 1) * c.WIDTH]
-    k11, k22, k12 = point_at(hit, GRIP)
+    k11, k22, k12 = point_at(hit, INVERSE_RESPONSE)
     f1, f2 = hit[FRICTION] - (k11 * s1 + k12 * s2), hit[FRICTION + 1] - (k12 * s1 + k22 * s2)
     if f1 * f1 + f2 * f2 > hit[BOUND] ** 2:  # friction opposes the sliding: one mass, as in the sweeps
         mass = 0.5 * (k11 + k22) - math.sqrt(0.25 * (k11 - k22) ** 2 + k12 * k12)
