@@ -6,13 +6,12 @@ do, and a body rests on something else along which it slides. Where a body with 
 the points on top of it take the place of those at its side, and carry the body from there on.
 """
 
-import math
-
 from numba import carray
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, dot, minus, plus, times, turned, turned_back
+from kickdrift.world.collision.narrow_phase.manifold_points import put_no_load
 from kickdrift.world.collision.narrow_phase.manifolds import deepest, find_manifold, write_points
 from kickdrift.world.collision.shape_poses import placed_pose, relative_pose
 from kickdrift.world.collision.shape_properties import half_width, is_round, sort_of
@@ -23,7 +22,6 @@ from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FOUND_POSE,
     JUST_FOUND,
-    LOAD,
     POINTS,
     REACHABLE,
     RECYCLED,
@@ -77,7 +75,8 @@ def _is_ghost(world: int, row: int) -> bool:
     if gap < -height or settings[0, STEP] * closing <= height:
         return False
     ahead = carray(floats_on_stack(_SIZE), (1, _SIZE))
-    ahead[0, REACHABLE], ahead[0, LOAD] = manifold[row, REACHABLE], math.nan
+    ahead[0, REACHABLE] = manifold[row, REACHABLE]
+    put_no_load(ahead[0])
     then = plus(at, times((max(gap, 0.0) + beyond) / closing, way))
     count = write_points(world, row, then, turn, settings[0, MARGIN], ahead[0])
     if count > 0:

@@ -18,7 +18,7 @@ from kickdrift.world.collision.narrow_phase.face_bias import SHARE_OFF, toleranc
 from kickdrift.world.collision.narrow_phase.frustum_faces import COS_BETWEEN, SIDES, SIN_BETWEEN
 from kickdrift.world.collision.narrow_phase.frustum_polyhedron import polyhedron_frustum
 from kickdrift.world.collision.narrow_phase.frustum_round import FLAT_ON, line_of, lowest_direction
-from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
+from kickdrift.world.collision.narrow_phase.manifold_points import put_no_load, put_normal, put_point
 from kickdrift.world.collision.narrow_phase.sat_frustum import gap_along, separation
 from kickdrift.world.collision.narrow_phase.shape_frames import (
     directed,
@@ -28,7 +28,7 @@ from kickdrift.world.collision.narrow_phase.shape_frames import (
     set_frame,
     set_frame_back,
 )
-from kickdrift.world.contacts.layout import FEATURE, LEFT_OUT, LOAD, NORMAL, ON_A, ON_B, POINT, POINT_SIZE, REACHABLE
+from kickdrift.world.contacts.layout import FEATURE, LEFT_OUT, NORMAL, ON_A, ON_B, POINT, POINT_SIZE, REACHABLE
 from kickdrift.world.shapes.closest_points import along, segments
 from kickdrift.world.shapes.frustum import Frustum, farthest, frustum_of, radial
 from kickdrift.world.shapes.polyhedron import HEADER, PLANES_AT, THICKNESS, VERTICES, polyhedron_numbers, vertex
@@ -187,7 +187,8 @@ def _as_polyhedron(f: Frustum, g: Frustum, frame: Any, normal: Vector, margin: f
 def _as_other_polyhedron(f: Frustum, g: Frustum, frame: Any, normal: Vector, margin: float, manifold: Any) -> int:
     """Find the same with the second approximated; `frame` is that of the second in the first's."""
     other = carray(floats_on_stack(_MANIFOLD), (_MANIFOLD,))
-    other[REACHABLE], other[LEFT_OUT], other[LOAD] = manifold[REACHABLE], math.inf, math.nan
+    other[REACHABLE], other[LEFT_OUT] = manifold[REACHABLE], math.inf
+    put_no_load(other)
     found = _as_polyhedron(g, f, frame, directed_back(frame, times(-1.0, normal)), margin, other)
     if found == 0:
         return 0

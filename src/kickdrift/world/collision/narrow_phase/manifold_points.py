@@ -1,10 +1,11 @@
 """Reading poses and writing manifolds in contact functions."""
 
+import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Quaternion, Vector
-from kickdrift.world.contacts.layout import FEATURE, NORMAL, ON_A, ON_B, POINT, POINT_SIZE
+from kickdrift.world.contacts.layout import FEATURE, LOAD, NORMAL, ON_A, ON_B, POINT, POINT_SIZE
 
 
 @compiled(inline=True)
@@ -23,6 +24,13 @@ def turn(pose: Any) -> Quaternion:
 def put_normal(manifold: Any, normal: Vector) -> None:
     """Write the unit vector from the first shape to the second, in the first's frame."""
     manifold[NORMAL], manifold[NORMAL + 1], manifold[NORMAL + 2] = normal
+
+
+@compiled(inline=True)
+def put_no_load(manifold: Any) -> None:
+    """Let the choice among many points not depend on a load."""
+    for k in range(3):
+        manifold[LOAD + k] = math.nan
 
 
 @compiled(inline=True)

@@ -10,10 +10,11 @@ from numba import carray
 from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, plus, times, turned, turned_back
+from kickdrift.world.collision.narrow_phase.manifold_points import put_no_load
 from kickdrift.world.collision.narrow_phase.manifolds import collide, radius
 from kickdrift.world.collision.shape_properties import sort_of
 from kickdrift.world.columns import point_at, vector_at
-from kickdrift.world.contacts.layout import LOAD, NORMAL, ON_A, ON_B, POINT, POINT_SIZE, REACHABLE
+from kickdrift.world.contacts.layout import NORMAL, ON_A, ON_B, POINT, POINT_SIZE, REACHABLE
 from kickdrift.world.deformables.body_contacts.ball_contact import touch_of_ball
 from kickdrift.world.deformables.body_contacts.contact_rows import (
     Pose,
@@ -139,7 +140,8 @@ def _touch(
     u, v, w = turned_back(q, minus(u, at)), turned_back(q, minus(v, at)), turned_back(q, minus(w, at))
     put_facing(u, v, w, turned_back(q, minus(minus(p, normal), at)), triangle)
     pose[0], pose[1], pose[2], pose[3], pose[4], pose[5], pose[6] = 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
-    manifold[REACHABLE], manifold[LOAD] = margin + half, math.nan
+    manifold[REACHABLE] = margin + half
+    put_no_load(manifold)
     count = collide(integers(world, COLLIDERS)[TRIANGLE, kind], (triangle, numbers, pose, margin + half, manifold))
     inward, fits = point_at(manifold, NORMAL), True
     for k in range(count):
