@@ -23,7 +23,8 @@ from kickdrift.world.collision.narrow_phase.box_as_polyhedron import (
 )
 from kickdrift.world.collision.narrow_phase.clipping import CORNER, clip
 from kickdrift.world.collision.narrow_phase.face_bias import PARALLEL, SHARE_OFF, SLACK, tolerance_of
-from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE, choose, put_candidates, put_manifold
+from kickdrift.world.collision.narrow_phase.manifold_candidates import CANDIDATE, put_candidates, put_manifold
+from kickdrift.world.collision.narrow_phase.manifold_reduction import choose
 from kickdrift.world.collision.narrow_phase.sat_edges import EDGE, put_closest, put_edges, put_row
 from kickdrift.world.collision.narrow_phase.shape_frames import set_at_rest, set_frame
 from kickdrift.world.columns import point_at

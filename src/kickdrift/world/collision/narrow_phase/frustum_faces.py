@@ -16,14 +16,9 @@ from kickdrift.world.collision.narrow_phase.capsule_manifold import FLAT, STEEP
 from kickdrift.world.collision.narrow_phase.clipping import CORNER, LABEL, clip
 from kickdrift.world.collision.narrow_phase.face_bias import SLACK
 from kickdrift.world.collision.narrow_phase.frustum_round import FLAT_ON, along_frustum, lowest_direction
+from kickdrift.world.collision.narrow_phase.manifold_candidates import CANDIDATE, FEATURES, SEPARATION, put_candidate
 from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
-from kickdrift.world.collision.narrow_phase.manifold_reduction import (
-    CANDIDATE,
-    FEATURES,
-    SEPARATION,
-    choose,
-    put_candidate,
-)
+from kickdrift.world.collision.narrow_phase.manifold_reduction import choose
 from kickdrift.world.collision.narrow_phase.sat_faces import incident_face
 from kickdrift.world.collision.narrow_phase.shape_frames import directed_back, placed, placed_back
 from kickdrift.world.columns import point_at

@@ -1,103 +1,18 @@
-"""Manifold reduction: up to four points are chosen from the candidates of a contact.
-
-A candidate is a point of the incident face, a row of `CANDIDATE` numbers.
-"""
+"""Manifold reduction: up to four points are chosen from the candidates of a contact."""
 
 import math
 from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
-from kickdrift.world.collision.narrow_phase.clipping import CORNER, LABEL, between
-from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
-from kickdrift.world.collision.narrow_phase.shape_frames import placed_back
-from kickdrift.world.columns import Fields
+from kickdrift.world.collision.narrow_phase.manifold_candidates import CANDIDATE, SEPARATION, point_of
 from kickdrift.world.contacts.layout import LEFT_OUT, REACHABLE
-from kickdrift.world.shapes.polyhedron import MOST_VERTICES, loop, loop_edge, loop_vertex
-
-# Numbers of a candidate
-_CANDIDATE = Fields()
-_CANDIDATE.field(3, "m")  # the point, in the frame of the first shape
-SEPARATION = _CANDIDATE.field(1, "m")  # from the reference face
-FEATURES = _CANDIDATE.field()  # id of the features that meet there
-CANDIDATE = _CANDIDATE.close()
 
 _STEADY = 0.95  # factor by which a candidate must be better than an earlier one, so that the choice does not flicker
 # Of the extent of the chosen points from an edge: distances of a load inside of it and beyond it between which the edge matters
 _NEAR_EDGE, _FAR_BEYOND = 0.2, 0.5
 _MOST_REPLACED = 4  # points that are replaced at most
 _THIN = 1e-6  # area of a triangle, over the square of its longest side, below which its third corner adds nothing
-
-
-@compiled(inline=True)
-def crossing(edge_a: int, edge_b: int) -> int:
-    """Return the feature id of two edges that touch."""
-    return 256 + 512 * edge_a + edge_b
-
-
-@compiled
-def corner_feature(
-    reference: Any, face: int, incident: Any, other: int, before: float, after: float, second_is_reference: bool
-) -> int:
-    """Return the feature id of a corner of a clipped face, between two labels.
-
-    The id of a vertex of the second polyhedron is its number, that of a vertex of the first its number plus 128, and that of
-    two edges their `crossing`.
-    """
-    first, last = loop(reference, face)
-    begin, end = loop(incident, other)
-    low, high = int(min(before, after)), int(max(before, after))
-    if low >= 0:
-        vertex = loop_vertex(incident, begin + between(int(before), int(after), end - begin))
-        return vertex + MOST_VERTICES if second_is_reference else vertex
-    if high < 0:
-        vertex = loop_vertex(reference, first + between(-1 - int(before), -1 - int(after), last - first))
-        return vertex if second_is_reference else vertex + MOST_VERTICES
-    own, met = loop_edge(reference, first - 1 - low), loop_edge(incident, begin + high)
-    return crossing(met, own) if second_is_reference else crossing(own, met)
-
-
-@compiled(inline=True)
-def put_candidate(candidates: Any, at: int, point: Vector, gap: float, feature: int) -> None:
-    """Write a candidate at a given index."""
-    candidates[at], candidates[at + 1], candidates[at + 2] = point
-    candidates[at + SEPARATION], candidates[at + FEATURES] = gap, feature
-
-
-@compiled
-def put_candidates(
-    polygon: Any,
-    count: int,
-    normal: Vector,
-    offset: float,
-    margin: float,
-    reference: Any,
-    face: int,
-    incident: Any,
-    other: int,
-    second_is_reference: bool,
-    candidates: Any,
-) -> tuple[int, float]:
-    """Write the corners of a clipped face that are within the margin of the reference face.
-
-    Returns
-    -------
-    count : int
-        Number of candidates.
-    depth : float
-        Their smallest separation, m.
-    """
-    kept, depth = 0, margin
-    for k in range(count):
-        at = CORNER * k
-        point = (polygon[at], polygon[at + 1], polygon[at + 2])
-        gap = dot(normal, point) - offset
-        if gap <= margin:
-            before, after = polygon[CORNER * (k - 1 if k > 0 else count - 1) + LABEL], polygon[at + LABEL]
-            feature = corner_feature(reference, face, incident, other, before, after, second_is_reference)
-            put_candidate(candidates, CANDIDATE * kept, point, gap, feature)
-            kept, depth = kept + 1, min(depth, gap)
-    return kept, depth
 
 
 @compiled
@@ -175,30 +90,30 @@ def _choose_by_area(candidates: Any, count: int, normal: Vector, tolerance: floa
         if candidates[CANDIDATE * k + SEPARATION] < candidates[CANDIDATE * first + SEPARATION] - tolerance:
             first = k
     chosen[0] = first
-    a = _point(candidates, first)
+    a = point_of(candidates, first)
     second, longest = count, 0.0
     for k in range(count):
-        arm = cross(normal, minus(_point(candidates, k), a))
+        arm = cross(normal, minus(point_of(candidates, k), a))
         square = dot(arm, arm)
         if _STEADY * square > longest:
             second, longest = k, square
     if second == count:
         return 1
     chosen[1] = second
-    b = _point(candidates, second)
+    b = point_of(candidates, second)
     third, largest, least = count, 0.0, _THIN * longest
     for k in range(count):
-        area = _area(a, b, _point(candidates, k), normal)
+        area = _area(a, b, point_of(candidates, k), normal)
         if _STEADY * abs(area) > max(abs(largest), least):
             third, largest = k, area
     if third == count:
         return 2
     chosen[2] = third
-    c = _point(candidates, third)
+    c = point_of(candidates, third)
     way = times(-1.0 if largest < 0.0 else 1.0, normal)
     fourth, most = count, least
     for k in range(count):
-        p = _point(candidates, k)
+        p = point_of(candidates, k)
         added = max(_area(b, a, p, way), _area(c, b, p, way), _area(a, c, p, way))
         if _STEADY * added > most:
             fourth, most = k, added
@@ -216,36 +131,42 @@ def _surround(candidates: Any, count: int, normal: Vector, load: Vector, chosen:
     those of six, twelve and twenty sides rock for ever or fall at most angles without.
     """
     for _ in range(_MOST_REPLACED):
-        one, two, inside, closest = 0, 0, 1.0, math.inf
-        for i in range(1, 4):
-            for k in range(i):
-                a, b = _point(candidates, int(chosen[i])), _point(candidates, int(chosen[k]))
-                c, d = (
-                    _point(candidates, int(chosen[_other(i, k, 0)])),
-                    _point(candidates, int(chosen[_other(i, k, 1)])),
-                )
-                area, more = _area(a, b, c, normal), _area(a, b, d, normal)
-                if area * more < 0.0:  # a diagonal
-                    continue
-                side, edge = 1.0 if area + more >= 0.0 else -1.0, length(cross(normal, minus(b, a)))
-                off = side * _area(a, b, load, normal)
-                extent = max(abs(area), abs(more))
-                if -_FAR_BEYOND * extent < off < _NEAR_EDGE * extent and off < closest * edge:
-                    one, two, inside, closest = i, k, side, off / edge
+        one, two, inside = _edge_near(candidates, normal, load, chosen)
         if one == two:
             return
-        a, b = _point(candidates, int(chosen[one])), _point(candidates, int(chosen[two]))
+        a, b = point_of(candidates, int(chosen[one])), point_of(candidates, int(chosen[two]))
         third, fourth = _other(one, two, 0), _other(one, two, 1)
-        area = _area(a, b, _point(candidates, int(chosen[third])), normal)
-        more = _area(a, b, _point(candidates, int(chosen[fourth])), normal)
+        area = _area(a, b, point_of(candidates, int(chosen[third])), normal)
+        more = _area(a, b, point_of(candidates, int(chosen[fourth])), normal)
         beyond, most = count, _THIN * max(abs(area), abs(more))
         for k in range(count):
-            added = -inside * _area(a, b, _point(candidates, k), normal)
+            added = -inside * _area(a, b, point_of(candidates, k), normal)
             if _STEADY * added > most:
                 beyond, most = k, added
         if beyond == count:
             return
         chosen[third if _STEADY * abs(more) > abs(area) else fourth] = beyond
+
+
+@compiled
+def _edge_near(candidates: Any, normal: Vector, load: Vector, chosen: Any) -> tuple[int, int, float]:
+    """Return the ends of the edge of the four chosen points that is nearest to a load, and the sign of areas inside of it.
+
+    The ends are equal if the load is far from all edges.
+    """
+    one, two, inside, closest = 0, 0, 1.0, math.inf
+    for i in range(1, 4):
+        for k in range(i):
+            a, b = point_of(candidates, int(chosen[i])), point_of(candidates, int(chosen[k]))
+            area = _area(a, b, point_of(candidates, int(chosen[_other(i, k, 0)])), normal)
+            more = _area(a, b, point_of(candidates, int(chosen[_other(i, k, 1)])), normal)
+            if area * more < 0.0:  # a diagonal
+                continue
+            side, edge = 1.0 if area + more >= 0.0 else -1.0, length(cross(normal, minus(b, a)))
+            off, extent = side * _area(a, b, load, normal), max(abs(area), abs(more))
+            if -_FAR_BEYOND * extent < off < _NEAR_EDGE * extent and off < closest * edge:
+                one, two, inside, closest = i, k, side, off / edge
+    return one, two, inside
 
 
 @compiled(inline=True)
@@ -261,40 +182,6 @@ def _other(i: int, k: int, which: int) -> int:
 
 
 @compiled(inline=True)
-def _point(candidates: Any, k: int) -> Vector:
-    at = CANDIDATE * k
-    return (candidates[at], candidates[at + 1], candidates[at + 2])
-
-
-@compiled(inline=True)
 def _area(a: Vector, b: Vector, c: Vector, normal: Vector) -> float:
     """Return twice the area of a triangle, positive if it is counter-clockwise seen against the normal."""
     return dot(cross(minus(b, a), minus(c, a)), normal)
-
-
-@compiled
-def put_manifold(
-    manifold: Any, candidates: Any, chosen: Any, count: int, normal: Vector, frame: Any, second_is_reference: bool
-) -> None:
-    """Write the chosen candidates as the points of a manifold.
-
-    Parameters
-    ----------
-    manifold : array
-        See `kickdrift.world.collision.narrow_phase`.
-    candidates, chosen, count
-        See `choose`.
-    normal : (3,) tuple
-        Outward unit normal of the reference face in the frame of the first shape.
-    frame : pointer to floats
-        Frame of the second shape in the first's.
-    second_is_reference : bool
-        Whether the reference face belongs to the second shape, and the incident face to the first.
-    """
-    for k in range(count):
-        at = CANDIDATE * int(chosen[k])
-        point = (candidates[at], candidates[at + 1], candidates[at + 2])
-        under = minus(point, times(candidates[at + SEPARATION], normal))
-        on_a, on_b = (point, under) if second_is_reference else (under, point)
-        put_point(manifold, k, on_a, placed_back(frame, on_b), int(candidates[at + FEATURES]))
-    put_normal(manifold, times(-1.0 if second_is_reference else 1.0, normal))

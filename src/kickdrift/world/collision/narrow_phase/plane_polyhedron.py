@@ -7,8 +7,9 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector
 from kickdrift.world.collision.narrow_phase.box_as_polyhedron import UNIT_BOX, corner_of, facing
 from kickdrift.world.collision.narrow_phase.face_bias import tolerance_of
+from kickdrift.world.collision.narrow_phase.manifold_candidates import CANDIDATE, put_candidate, put_manifold
 from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
-from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE, choose, put_candidate, put_manifold
+from kickdrift.world.collision.narrow_phase.manifold_reduction import choose
 from kickdrift.world.collision.narrow_phase.rocking_vertex import add_to_chosen, vertex_beside
 from kickdrift.world.collision.narrow_phase.sat_faces import CANDIDATES, PLACED, incident_face, place_polyhedron
 from kickdrift.world.collision.narrow_phase.shape_frames import set_frame

@@ -10,7 +10,8 @@ from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, times
 from kickdrift.world.collision.narrow_phase.box_as_polyhedron import SIZE_OF_BOX, set_box
 from kickdrift.world.collision.narrow_phase.face_bias import SHARE_OFF, SLACK, tolerance_of
-from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE, choose, put_candidate, put_manifold
+from kickdrift.world.collision.narrow_phase.manifold_candidates import CANDIDATE, put_candidate, put_manifold
+from kickdrift.world.collision.narrow_phase.manifold_reduction import choose
 from kickdrift.world.collision.narrow_phase.rocking_vertex import add_to_chosen, vertex_beside
 from kickdrift.world.collision.narrow_phase.sat_edges import (
     EDGE,

@@ -9,7 +9,7 @@ from typing import Any
 
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, minus
-from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE, SEPARATION
+from kickdrift.world.collision.narrow_phase.manifold_candidates import CANDIDATE, SEPARATION
 from kickdrift.world.shapes.polyhedron import FACES, loop, loop_vertex, plane, vertex
 
 _NEARLY_PARALLEL = math.cos(0.1)

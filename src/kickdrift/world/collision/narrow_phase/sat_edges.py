@@ -11,8 +11,8 @@ import numpy as np
 from kickdrift.core.compilation import compiled
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.narrow_phase.face_bias import PARALLEL
+from kickdrift.world.collision.narrow_phase.manifold_candidates import crossing
 from kickdrift.world.collision.narrow_phase.manifold_points import put_normal, put_point
-from kickdrift.world.collision.narrow_phase.manifold_reduction import crossing
 from kickdrift.world.collision.narrow_phase.shape_frames import placed_back
 from kickdrift.world.columns import Fields
 from kickdrift.world.shapes.closest_points import along, segments

@@ -12,7 +12,7 @@ from kickdrift.core.compilation import compiled
 from kickdrift.core.memory import floats_on_stack
 from kickdrift.core.vectors import Vector, cross, dot, length, minus, times
 from kickdrift.world.collision.narrow_phase.clipping import CORNER, LABEL, clip
-from kickdrift.world.collision.narrow_phase.manifold_reduction import CANDIDATE, put_candidates
+from kickdrift.world.collision.narrow_phase.manifold_candidates import CANDIDATE, put_candidates
 from kickdrift.world.collision.narrow_phase.shape_frames import directed, placed
 from kickdrift.world.shapes.polyhedron import (
     EDGES,
