@@ -409,6 +409,22 @@ def test_a_prism_that_leans_stands_while_its_centre_of_mass_is_above_its_base(si
         assert np.abs(prism.position - before).max() < 0.01
 
 
+@pytest.mark.parametrize(("sides", "share"), [(6, 0.75), (6, 0.9), (12, 0.75), (12, 0.9)])
+def test_an_upright_prism_stands_on_a_slope_while_its_weight_acts_on_its_base(sides, share):
+    for yaw in np.linspace(0.0, 2 * np.pi / sides, 5, endpoint=False):
+        slope = share * 0.3 * np.cos(np.pi / sides) / 0.3  # of 0.6 m, with the centre of mass in the middle
+        world = World(gravity=9.81 * np.array([slope, 0.0, -1.0]) / np.hypot(slope, 1.0))
+        world.add_plane(friction=1.5)
+        angles = yaw + 2 * np.pi * np.arange(sides) / sides
+        base = 0.3 * np.column_stack([np.cos(angles), np.sin(angles)])
+        ends = [np.column_stack([base, np.full(sides, height)]) for height in (0.0, 0.6)]
+        prism = world.add_hull(np.vstack(ends), mass=1.0, friction=1.5)
+        before = prism.position.copy()
+        world.advance(1 / 60, 300)
+        assert np.abs(prism.velocity).max() < 1e-6
+        assert np.abs(prism.position - before).max() < 0.02
+
+
 @pytest.mark.parametrize(("sides", "share"), [(6, 1.05), (12, 1.05)])
 def test_a_prism_that_leans_too_far_falls(sides, share):
     world = World()

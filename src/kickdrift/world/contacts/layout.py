@@ -92,9 +92,8 @@ REST_A = column(MANIFOLD, 4)  # orientations of both shapes when the contact cam
 REST_B = column(MANIFOLD, 4)
 REST_APART = column(MANIFOLD, 3, "m")  # and the vector from the first body to the second
 WIDTH_OF_FACE = column(MANIFOLD, 1, "m")  # half the smallest width of the face that the points span
-LOAD = column(
-    MANIFOLD, 3, "m"
-)  # centre of mass of the body that the other one carries, in the frame of the first shape
+# Where gravity acts on the face, through the centre of mass of the body that is carried, in the first shape's frame; or NaN
+LOAD = column(MANIFOLD, 3, "m")
 
 # Fields of a point of a constraint
 _CONSTRAINT_POINT = Fields()

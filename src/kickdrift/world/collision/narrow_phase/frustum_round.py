@@ -35,8 +35,8 @@ _TUMBLING = ((0, 0), (3, 0), (1, 1), (2, 1), (0, 1), (1, 0), (2, 0))
 # Sine of the angle between a disc and the plane below it, under which the points of its rim are fixed in the body: the lowest
 # one is determined by rounding then.
 STANDING = 1e-4
-_OFF_CENTRE = 1e-3  # of its radius: distance of the centre of mass from the axis that is noticed
 FLAT_ON = 5e-3  # the same on a face, where the choice among many points must not change from step to step
+_OFF_CENTRE = 1e-3  # of the radius: distance of a load from the axis that is noticed
 
 
 @compiled(inline=True)
@@ -63,7 +63,7 @@ def plane_frustum(a: Any, b: Any, pose: Any, margin: float, manifold: Any) -> in
     lower, upper, half = frustum_of(b)
     down = turned_back(q, (0.0, 0.0, -1.0))
     sine, x, y = lowest_direction(down, STANDING)
-    if sine < STANDING:  # the rim towards the centre of mass carries the most
+    if sine < STANDING:  # the rim towards the load carries the most
         load = turned_back(q, minus(point_at(manifold, LOAD), centre))
         off, u, v = radial(load[0], load[1])
         x, y = (u, v) if off > _OFF_CENTRE * max(lower, upper) else (x, y)

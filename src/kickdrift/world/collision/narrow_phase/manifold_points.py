@@ -27,10 +27,15 @@ def put_normal(manifold: Any, normal: Vector) -> None:
 
 
 @compiled(inline=True)
+def put_load(manifold: Any, load: Vector) -> None:
+    """Write where a load acts, on which the choice among many points depends."""
+    manifold[LOAD], manifold[LOAD + 1], manifold[LOAD + 2] = load
+
+
+@compiled(inline=True)
 def put_no_load(manifold: Any) -> None:
     """Let the choice among many points not depend on a load."""
-    for k in range(3):
-        manifold[LOAD + k] = math.nan
+    put_load(manifold, (math.nan, math.nan, math.nan))
 
 
 @compiled(inline=True)

@@ -24,7 +24,7 @@ def choose(
     The lowest four, unless more than four are reachable (`kickdrift.world.contacts.layout.REACHABLE`): then four of these that
     span nearly the same area, and have an edge where a load near the border of all of them would tip. A polyhedron that rolls
     on many corners would otherwise sink in at the next of them, which is close to the one it stands on and adds no area.
-    `load` is the centre of mass of the body that is carried, in the frame of the candidates.
+    `load` is where the weight acts, in the frame of the candidates.
     """
     if count <= 4:
         for k in range(count):

@@ -15,7 +15,8 @@ from kickdrift.world.collision.narrow_phase.impulse_matching import (
     lose_points,
     take_over_impulses,
 )
-from kickdrift.world.collision.shape_poses import shape_pose
+from kickdrift.world.collision.narrow_phase.manifold_points import put_load
+from kickdrift.world.collision.shape_poses import placed_pose, shape_pose
 from kickdrift.world.collision.shape_properties import core_of, sort_of
 from kickdrift.world.columns import point_at, quaternion_at, vector_at
 from kickdrift.world.contacts.layout import (
@@ -24,7 +25,6 @@ from kickdrift.world.contacts.layout import (
     CONTACT_STATE,
     FOUND_POSE,
     LEFT_OUT,
-    LOAD,
     MOVING,
     NORMAL,
     ON_A,
@@ -78,6 +78,8 @@ COLLIDE = types.int64(_ARRAY, _ARRAY, _ARRAY, types.float64, _ARRAY)
 
 collide = caller(COLLIDE)
 
+_STEEP = 0.2  # cosine between gravity and a normal below which no weight is carried
+
 _NEAR = 0.2  # of the smaller shape: distance within which a point takes over the impulse of another one
 
 
@@ -105,7 +107,7 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
     before = contact[row, POINTS]
     old = carray(floats_on_stack(OLD_SIZE), (OLD_SIZE,))
     keep_points(own, before, old)
-    own[LOAD], own[LOAD + 1], own[LOAD + 2] = _load(world, a, b, contact[row, BODY_A], contact[row, BODY_B], at, turn)
+    put_load(own, _load(world, row, own, at, turn))
     count = write_points(world, row, at, turn, margin, own)
     contact[row, POINTS] = count
     if before == 0:
@@ -119,20 +121,28 @@ def find_manifold(world: int, row: int, at: Vector, turn: Quaternion, margin: fl
 
 
 @compiled(inline=True)
-def _load(world: int, a: int, b: int, body_a: int, body_b: int, at: Vector, turn: Quaternion) -> Vector:
-    """Return the centre of mass of the body that the other one carries, in the frame of the first shape.
+def _load(world: int, row: int, own: Any, at: Vector, turn: Quaternion) -> Vector:
+    """Return where gravity acts through the centre of mass of the body that is carried, in the frame of the first shape.
 
-    That is the one that moves, or of two the upper one.
+    That body is the one that moves, or of two that move the upper one; the place is on the face that touched before. NaN if
+    none did, or if it is steep.
     """
+    contact, settings, nothing = integers(world, CONTACT), floats(world, SETTINGS), (math.nan, math.nan, math.nan)
     mass, pose, place = floats(world, INVERSE_MASS), floats(world, POSE), floats(world, PLACE)
+    a, b, body_a, body_b = contact[row, SHAPE_A], contact[row, SHAPE_B], contact[row, BODY_A], contact[row, BODY_B]
+    gravity = vector_at(settings, 0, GRAVITY)
     apart = minus(vector_at(pose, body_b, POSITION), vector_at(pose, body_a, POSITION))
     fixed_a, fixed_b = mass[body_a, INVERSE_LINEAR_MASS] == 0.0, mass[body_b, INVERSE_LINEAR_MASS] == 0.0
-    upper_is_a = dot(apart, vector_at(floats(world, SETTINGS), 0, GRAVITY)) > 0.0
-    shape = a if fixed_b or (upper_is_a and not fixed_a) else b
+    shape = a if fixed_b or (dot(apart, gravity) > 0.0 and not fixed_a) else b
     centre = turned_back(
         quaternion_at(place, shape, PLACE_ORIENTATION), times(-1.0, vector_at(place, shape, PLACE_POSITION))
     )
-    return centre if shape == a else plus(at, turned(turn, centre))
+    centre = centre if shape == a else plus(at, turned(turn, centre))
+    way, normal = turned_back(placed_pose(world, a)[1], gravity), point_at(own, NORMAL)
+    along = dot(normal, way)
+    if contact[row, POINTS] == 0 or along * along <= _STEEP * _STEEP * dot(way, way):
+        return nothing
+    return plus(centre, times(dot(normal, minus(point_at(own, POINT + ON_A), centre)) / along, way))
 
 
 @compiled
