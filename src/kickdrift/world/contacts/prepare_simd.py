@@ -76,8 +76,7 @@ def turned(array: Any, field: int, lane: int, a: Vector) -> Vector:
 @compiled(fast=True, inline=True)
 def response_to(array: Any, field: int, lane: int, a: Vector, b: Vector) -> float:
     """Return b . M a for the symmetric matrix M in a field."""
-    response: float = dot(b, turn(array, field, lane, a))
-    return response
+    return dot(b, turn(array, field, lane, a))
 
 
 @compiled(fast=True, inline=True)

@@ -1,10 +1,9 @@
 """Vectors in lanes of a group, for the kernels of the contact solver."""
 
-from collections.abc import Callable
 from typing import Any
 
 from kickdrift.core import vectors
-from kickdrift.core.compilation import compiled
+from kickdrift.core.compilation import F, compiled
 from kickdrift.core.vectors import Vector
 from kickdrift.world.contacts import layout as c
 
@@ -16,9 +15,10 @@ NEXT = c.POINT_FIELDS * W  # distance from a field of a point to the same field 
 _INLINED = {"inline": "always"}
 
 
-def _fast(function: Callable[..., Any]) -> Callable[..., Any]:
+def _fast(function: F) -> F:
     """Return a function on vectors with fast mathematics, so that the kernels fuse its products and sums with theirs."""
-    return compiled(fast=True, cached=False, options=_INLINED)(getattr(function, "py_func", function))
+    fast: F = compiled(fast=True, cached=False, options=_INLINED)(getattr(function, "py_func", function))
+    return fast
 
 
 plus, minus, times = _fast(vectors.plus), _fast(vectors.minus), _fast(vectors.times)

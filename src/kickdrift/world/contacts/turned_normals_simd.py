@@ -20,16 +20,10 @@ def _core(own: Any, s: Any, lane: int, core: int, turn: int) -> Any:
 
 
 @compiled(fast=True, inline=True)
-def _dot(u: Any, v: Any) -> float:
-    product: float = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-    return product
-
-
-@compiled(fast=True, inline=True)
 def _foot(half_a: Any, half_b: Any, apart: Any, along: float) -> float:
     """Return where on the second core, from -1 to 1 along its half axis, it is nearest to a point on the first one."""
-    at = along * _dot(half_a, half_b) - _dot(half_b, apart)
-    return min(max(at / (_dot(half_b, half_b) + 1e-300), -1.0), 1.0)
+    at = along * dot(half_a, half_b) - dot(half_b, apart)
+    return min(max(at / (dot(half_b, half_b) + 1e-300), -1.0), 1.0)
 
 
 @compiled(fast=True, inline=True)
@@ -38,8 +32,8 @@ def _nearest(half_a: Any, half_b: Any, apart: Any) -> float:
 
     C. Ericson, Real-Time Collision Detection (2005), section 5.1.9.
     """
-    aa, bb, ab = _dot(half_a, half_a) + 1e-300, _dot(half_b, half_b) + 1e-300, _dot(half_a, half_b)
-    at = (_dot(half_a, apart) * bb - ab * _dot(half_b, apart)) / (aa * bb - ab * ab + 1e-300)
+    aa, bb, ab = dot(half_a, half_a) + 1e-300, dot(half_b, half_b) + 1e-300, dot(half_a, half_b)
+    at = (dot(half_a, apart) * bb - ab * dot(half_b, apart)) / (aa * bb - ab * ab + 1e-300)
     return min(max(at, -1.0), 1.0)
 
 
@@ -47,7 +41,7 @@ def _nearest(half_a: Any, half_b: Any, apart: Any) -> float:
 def _listed(own: Any, lane: int, at: int) -> float:
     """Return where on the first core the anchor at `at` is."""
     middle, half = vector(own, c.CORE_A, lane), vector(own, c.CORE_A + 3, lane)
-    return _dot(minus(vector(own, c.ANCHOR_A, at), middle), half) / (_dot(half, half) + 1e-300)
+    return dot(minus(vector(own, c.ANCHOR_A, at), middle), half) / (dot(half, half) + 1e-300)
 
 
 @compiled(fast=True, inline=True)
